@@ -189,9 +189,9 @@ void StartingNetwork::linearise_several(std::uint32_t e, ElementAtStart& element
   const auto tangent = std::make_unique<layers::SeveralTangent>();
   const auto rate_gradients = std::make_unique<layers::SeveralRateGradients>();
   const auto blocks = std::make_unique<layers::SeveralBlocks>();
-  if (!layers::tangent_of(group, query->answers, 1, *tangent)) return;
   const layers::Kernels& kernels = layers::kernels_for(set);
-  layers::several_blocks(kernels, group.scalars, query->geometry, 1, *tangent, *rate_gradients, *blocks);
+  if (!layers::tangent_of(kernels, group, query->answers, 1, *tangent)) return;
+  layers::several_blocks(kernels, group.scalars, query->geometry, 0, 1, *tangent, *rate_gradients, *blocks);
   const double* q[2][layers::max_scalars];
   layers::forces_of(group, query->answers, q);
   double forces[3][layers::max_corners];

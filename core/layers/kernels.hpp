@@ -14,6 +14,7 @@ namespace springnet::layers {
 inline constexpr std::size_t max_segment = 448;
 // Springs of a chunk, as many as the widest vectors have numbers.
 inline constexpr std::uint32_t chunk_springs = 8;
+static_assert(chunk_springs == several_at_once);
 
 // Springs (first + i, second + i), i < chunk_springs: no indices are read, and both ends are loaded contiguously.
 struct Chunk {

@@ -533,7 +533,7 @@ const Kernels& kernels() {
                                  all_finite,
                                  {geometry_of<Measure::angle>, geometry_of<Measure::dihedral>,
                                   geometry_of<Measure::area>, geometry_of<Measure::volume>, corner_forces},
-                                 {several_geometry, several_forces, several_blocks}};
+                                 {several_geometry, several_forces, several_sum, several_blocks, several_spread}};
   return table;
 }
 

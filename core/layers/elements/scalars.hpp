@@ -21,6 +21,10 @@ struct ElementScalar {
   [[nodiscard]] constexpr std::size_t corner_count() const noexcept {
     return measure == Measure::length ? 2 : (measure == Measure::dihedral || measure == Measure::volume ? 4 : 3);
   }
+  // The power of lengths that it is: as it grows with an element that grows evenly.
+  [[nodiscard]] constexpr int dimension() const noexcept {
+    return measure == Measure::length ? 1 : measure == Measure::area ? 2 : measure == Measure::volume ? 3 : 0;
+  }
 };
 
 // Of the spring function, then those of the viscosity function that the former does not read.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace springnet::layers {
@@ -37,12 +38,6 @@ bool is_in_kernels(const ElementScalar& scalar) {
   return scalar.measure == Measure::length || scalar.measure == Measure::volume;
 }
 
-// dq/dp of the corner c of a scalar.
-Vector3 gradient_of(const ElementScalar& scalar, const double (*rows)[several_batch], std::size_t c, std::size_t i) {
-  if (scalar.measure != Measure::length) return triple(rows + 3 * c, i);
-  return c == 0 ? triple(rows, i) : Vector3(-triple(rows, i));
-}
-
 constexpr std::size_t none = 4;
 std::size_t place_of(const ElementScalar& scalar, std::size_t corner) {
   for (std::size_t c = 0; c < scalar.corner_count(); ++c)
@@ -51,6 +46,35 @@ std::size_t place_of(const ElementScalar& scalar, std::size_t corner) {
 }
 
 }  // namespace
+
+Vector3 gradient_of(const ElementScalar& scalar, const double (*rows)[several_batch], std::size_t c,
+                    std::size_t i) noexcept {
+  if (scalar.measure != Measure::length) return triple(rows + 3 * c, i);
+  return c == 0 ? triple(rows, i) : Vector3(-triple(rows, i));
+}
+
+Vector3 rate_gradient_of(const ElementScalar& scalar, const SeveralGeometry& geometry, std::size_t s, std::size_t c,
+                         std::size_t i) noexcept {
+  if (scalar.measure != Measure::length)
+    return own_second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, i, true), c).rate_gradient;
+  const double length = geometry.value[s][i];
+  if (!(length > 0.0)) return Vector3::Zero();
+  const Vector3 n = gradient_of(scalar, geometry.gradient[s], c, i);
+  const Vector3 v =
+      triple(geometry.velocity + 3 * scalar.corner[c], i) - triple(geometry.velocity + 3 * scalar.corner[1 - c], i);
+  return (v - n * n.dot(v)) / length;
+}
+
+SeveralInputs inputs_of(const SeveralMembers& members, const SeveralGeometry& geometry) noexcept {
+  SeveralInputs inputs;
+  for (std::size_t s = 0; s < max_scalars; ++s) {
+    inputs.value[s] = geometry.value[s];
+    inputs.rate[s] = geometry.rate[s];
+    inputs.reference[s] = members.reference[s];
+  }
+  std::copy_n(members.direction, 3, inputs.direction);
+  return inputs;
+}
 
 SeveralMembers members_of(const ElementLayout& elements, const ElementBatch& batch) noexcept {
   SeveralMembers members;
@@ -81,13 +105,7 @@ const SeveralMembers& GatheredMembers::finish(std::size_t count) noexcept {
 springnet_status evaluate_several(const Group& group, const SeveralMembers& members, const SeveralGeometry& geometry,
                                   InstructionSet set, double time, SeveralWanted wanted, SeveralAnswers& answers,
                                   springnet_message& message) {
-  SeveralInputs inputs;
-  for (std::size_t s = 0; s < max_scalars; ++s) {
-    inputs.value[s] = geometry.value[s];
-    inputs.rate[s] = geometry.rate[s];
-    inputs.reference[s] = members.reference[s];
-  }
-  std::copy_n(members.direction, 3, inputs.direction);
+  const SeveralInputs inputs = inputs_of(members, geometry);
   const bool tangent = wanted == SeveralWanted::tangent;
   SeveralOutputs outputs[2];
   PairOutputs out{};
@@ -125,70 +143,65 @@ void forces_of(const Group& group, const SeveralAnswers& answers, const double* 
   }
 }
 
-bool tangent_of(const Group& group, const SeveralAnswers& answers, std::size_t count, SeveralTangent& out) noexcept {
-  const std::size_t size = group.scalars.count;
-  out.has_rates = group.reads_rate();
-  for (std::size_t s = 0; s < size; ++s) {
-    std::fill_n(out.force[s], several_batch, 0.0);
-    for (std::size_t j = 0; j < size; ++j) {
-      std::fill_n(out.by_value[max_scalars * s + j], several_batch, 0.0);
-      if (out.has_rates) std::fill_n(out.by_rate[max_scalars * s + j], several_batch, 0.0);
-    }
-  }
-  bool finite = true;
-  const auto add = [&](const double* from, double* to) {
-    double nothing = 0.0;  // 0 times each: not a number if one is not finite
-    for (std::size_t i = 0; i < count; ++i) {
-      to[i] += from[i];
-      nothing += 0.0 * from[i];
-    }
-    finite = finite && nothing == 0.0;
-  };
+bool tangent_of(const Kernels& kernels, const Group& group, const SeveralAnswers& answers, std::size_t count,
+                SeveralTangent& out) noexcept {
+  const ScalarList& list = group.scalars;
+  // What each law reads, and whether it has rates. What is read at rest alone has no derivatives.
+  bool reads[2][max_scalars] = {}, has_rates[2] = {};
   for (std::size_t k = 0; k < 2; ++k) {
     const Law& law = *group.laws()[k];
-    if (!law) continue;
-    for (std::size_t i = 0; i < law.scalar_count; ++i) {
-      const std::size_t s = law.scalar[i];
-      if (group.scalars.scalar[s].reference_only) continue;
-      add(answers.force[k][s], out.force[s]);
-      for (std::size_t j = 0; j < law.scalar_count; ++j) {
-        const std::size_t at = max_scalars * s + law.scalar[j];
-        if (group.scalars.scalar[law.scalar[j]].reference_only) continue;
-        add(answers.by_value[k][at], out.by_value[at]);
-        if (law.reads_rate) add(answers.by_rate[k][at], out.by_rate[at]);
-      }
+    has_rates[k] = law.reads_rate;
+    for (std::size_t i = 0; law && i < law.scalar_count; ++i)
+      reads[k][law.scalar[i]] = !list.scalar[law.scalar[i]].reference_only;
+  }
+  out.has_rates = group.reads_rate();
+  bool finite = true;
+  for (std::size_t s = 0; s < list.count; ++s) {
+    if (list.scalar[s].reference_only) continue;
+    const auto add = [&](const auto& rows, std::size_t row, std::size_t j, bool rates, double* to) {
+      const double* from[2];
+      for (std::size_t k = 0; k < 2; ++k)
+        from[k] = reads[k][s] && reads[k][j] && (!rates || has_rates[k]) ? rows[k][row] : nullptr;
+      finite = kernels.several.sum(from[0], from[1], count, to) && finite;
+    };
+    add(answers.force, s, s, false, out.force[s]);
+    for (std::size_t j = 0; j < list.count; ++j) {
+      if (list.scalar[j].reference_only) continue;
+      const std::size_t at = max_scalars * s + j;
+      add(answers.by_value, at, j, false, out.by_value[at]);
+      if (out.has_rates) add(answers.by_rate, at, j, true, out.by_rate[at]);
     }
   }
   return finite;
 }
 
-void several_blocks(const Kernels& kernels, const ScalarList& list, const SeveralGeometry& geometry, std::size_t count,
-                    const SeveralTangent& tangent, SeveralRateGradients& rate_gradients, SeveralBlocks& out) noexcept {
+void several_blocks(const Kernels& kernels, const ScalarList& list, const SeveralGeometry& geometry, std::size_t begin,
+                    std::size_t count, const SeveralTangent& tangent, SeveralRateGradients& rate_gradients,
+                    SeveralBlocks& out) noexcept {
   // The kernel multiplies by the rate gradients of all scalars, and clears the blocks first: Hessians come after it.
   SecondOrder second;
   for (std::size_t s = 0; tangent.has_rates && s < list.count; ++s) {
     const ElementScalar& scalar = list.scalar[s];
     if (scalar.reference_only || is_in_kernels(scalar)) continue;
     for (std::size_t i = 0; i < count; ++i) {
-      second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, i, true), second);
+      second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, begin + i, true), second);
       for (std::size_t c = 0; c < 3 * scalar.corner_count(); ++c)
         rate_gradients.value[s][c][i] = second.rate_gradient[c / 3][static_cast<Eigen::Index>(c % 3)];
     }
-    const std::size_t padded = (count + chunk_springs - 1) / chunk_springs * chunk_springs;
     for (std::size_t c = 0; c < 12; ++c)
-      std::fill(rate_gradients.value[s][c] + count, rate_gradients.value[s][c] + padded, 0.0);
+      std::fill(rate_gradients.value[s][c] + count, std::end(rate_gradients.value[s][c]), 0.0);
   }
-  kernels.several.blocks(list, geometry, count, tangent, rate_gradients, out);
+  kernels.several.blocks(list, geometry, begin, tangent, rate_gradients, out);
   for (std::size_t s = 0; s < list.count; ++s) {
     const ElementScalar& scalar = list.scalar[s];
     if (scalar.reference_only || is_in_kernels(scalar)) continue;
     for (std::size_t i = 0; i < count; ++i) {
-      second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, i, false), second);
+      second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, begin + i, false), second);
       for (std::size_t a = 0; a < scalar.corner_count(); ++a)
         for (std::size_t b = 0; b < scalar.corner_count(); ++b)
           for (std::size_t k = 0; k < 9; ++k)
             out.stiffness[scalar.corner[a]][scalar.corner[b]][k][i] +=
-                tangent.force[s][i] *
+                tangent.force[s][begin + i] *
                 second.hessian[a][b](static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
     }
   }
@@ -212,10 +225,7 @@ void several_own_blocks(const ScalarList& list, const SeveralGeometry& geometry,
       if (!(length > 0.0)) continue;
       const Vector3& n = gradient[s];
       stiffness += tangent.force[s][i] / length * (Block::Identity() - n * n.transpose());
-      if (!tangent.has_rates) continue;
-      const Vector3 v =
-          triple(geometry.velocity + 3 * scalar.corner[c], i) - triple(geometry.velocity + 3 * scalar.corner[1 - c], i);
-      rate_gradient[s] = (v - n * n.dot(v)) / length;
+      if (tangent.has_rates) rate_gradient[s] = rate_gradient_of(scalar, geometry, s, c, i);
     } else {
       const OwnSecondOrder own =
           own_second_order(invariant_of(scalar.measure), corners_of(scalar, geometry, i, tangent.has_rates), c);

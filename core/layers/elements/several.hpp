@@ -43,6 +43,16 @@ class GatheredMembers {
   SeveralMembers members_;
 };
 
+// What laws read of them.
+[[nodiscard]] SeveralInputs inputs_of(const SeveralMembers& members, const SeveralGeometry& geometry) noexcept;
+// dq/dp of the corner c of a scalar of member i; `rows` as SeveralGeometry::gradient of that scalar.
+[[nodiscard]] Vector3 gradient_of(const ElementScalar& scalar, const double (*rows)[several_batch], std::size_t c,
+                                  std::size_t i) noexcept;
+
+// dq/dp of its rate likewise, of the scalar s of the list.
+[[nodiscard]] Vector3 rate_gradient_of(const ElementScalar& scalar, const SeveralGeometry& geometry, std::size_t s,
+                                       std::size_t c, std::size_t i) noexcept;
+
 // What the laws of a group answered to a batch, [law]. Not initialised.
 struct SeveralAnswers {
   alignas(64) double force[2][max_scalars][several_batch];
@@ -61,12 +71,13 @@ springnet_status evaluate_several(const Group& group, const SeveralMembers& memb
 // The forces of both laws for the kernels: null for scalars that a law does not read.
 void forces_of(const Group& group, const SeveralAnswers& answers, const double* (&out)[2][max_scalars]) noexcept;
 // Sums up what both laws answered with SeveralWanted::tangent. False: a number is not finite.
-[[nodiscard]] bool tangent_of(const Group& group, const SeveralAnswers& answers, std::size_t count,
-                              SeveralTangent& out) noexcept;
+[[nodiscard]] bool tangent_of(const Kernels& kernels, const Group& group, const SeveralAnswers& answers,
+                              std::size_t count, SeveralTangent& out) noexcept;
 
-// All blocks of a batch.
-void several_blocks(const Kernels& kernels, const ScalarList& list, const SeveralGeometry& geometry, std::size_t count,
-                    const SeveralTangent& tangent, SeveralRateGradients& rate_gradients, SeveralBlocks& out) noexcept;
+// All blocks of up to several_at_once members of a batch, from `begin` on, a multiple of that.
+void several_blocks(const Kernels& kernels, const ScalarList& list, const SeveralGeometry& geometry, std::size_t begin,
+                    std::size_t count, const SeveralTangent& tangent, SeveralRateGradients& rate_gradients,
+                    SeveralBlocks& out) noexcept;
 // Diagonal blocks of one corner of member i.
 void several_own_blocks(const ScalarList& list, const SeveralGeometry& geometry, std::size_t i,
                         const SeveralTangent& tangent, std::size_t corner, Block& stiffness, Block& damping) noexcept;

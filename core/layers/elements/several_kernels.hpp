@@ -8,7 +8,9 @@
 
 namespace springnet::layers {
 
-// Most elements of such a batch, a multiple of chunk_springs.
+// Elements that kernels take at once: as many as the widest vectors have numbers.
+inline constexpr std::size_t several_at_once = 8;
+// Most elements of such a batch, a multiple of that.
 inline constexpr std::size_t several_batch = 64;
 
 // Arrays are [scalar][member]; of a scalar that is read at rest alone they are not written. Members beyond the last, up
@@ -29,15 +31,21 @@ struct alignas(64) SeveralTangent {
   bool has_rates;
 };
 
+// The following are of several_at_once members, so that they stay in the nearest cache.
 // What a scalar adds to the derivatives beyond its gradient: dq_i'/dp, by corners of the scalar.
 struct alignas(64) SeveralRateGradients {
-  double value[max_scalars][12][several_batch];
+  double value[max_scalars][12][several_at_once];
 };
 
 // -dF/dp and -dF/dv of the forces on corners: [corner][other][3 row + column][member].
 struct alignas(64) SeveralBlocks {
-  double stiffness[4][4][9][several_batch];
-  double damping[4][4][9][several_batch];  // written if the tangent has rates
+  double stiffness[4][4][9][several_at_once];
+  double damping[4][4][9][several_at_once];  // written if the tangent has rates
+};
+
+// The same of each member: [member][block by corner and other, those that the element has][3 row + column].
+struct alignas(64) SeveralSpread {
+  double entries[several_at_once][4 * 4 * 9];
 };
 
 struct SeveralKernels {
@@ -47,10 +55,15 @@ struct SeveralKernels {
   // -sum_i (Q_i of the first law + Q_i of the second) dq_i/dp on each corner. q: [law][scalar]; null: not read, 0.
   void (*forces)(const ScalarList& list, const SeveralGeometry& geometry, std::size_t count,
                  const double* const (*q)[max_scalars], const CornerForces& out);
-  // Hessians of lengths and volumes times Q_i, and all products of gradients. rate_gradients: those of measures other
-  // than these must be there, if the tangent has rates; the kernel fills in lengths and volumes.
-  void (*blocks)(const ScalarList& list, const SeveralGeometry& geometry, std::size_t count,
+  // out: the first plus the second, of which either may be null, or both: 0. False: one is not finite.
+  bool (*sum)(const double* first, const double* second, std::size_t count, double* out);
+  // Of eight members from `begin` on: Hessians of lengths and volumes times Q_i, and all products of gradients.
+  // rate_gradients: those of measures other than these must be there, if the tangent has rates; the kernel fills in
+  // lengths and volumes.
+  void (*blocks)(const ScalarList& list, const SeveralGeometry& geometry, std::size_t begin,
                  const SeveralTangent& tangent, SeveralRateGradients& rate_gradients, SeveralBlocks& out);
+  // blocks: SeveralBlocks::stiffness or damping.
+  void (*spread)(const double (*blocks)[4][9][several_at_once], std::size_t corners, SeveralSpread& out);
 };
 
 }  // namespace springnet::layers

@@ -38,7 +38,7 @@ springnet_status Evaluator::add_several_of(std::span<const ElementShare> shares,
   double force[3][max_corners * several_batch];
   kernels_.several.forces(list, geometry, shares.size(), q, {force[0], force[1], force[2], several_batch});
   SeveralTangent tangent;
-  if (blocks) static_cast<void>(tangent_of(group, answers, shares.size(), tangent));
+  if (blocks) static_cast<void>(tangent_of(kernels_, group, answers, shares.size(), tangent));
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const std::size_t at = shares[i].place * several_batch + i;
     sums.force += Vector3(force[0][at], force[1][at], force[2][at]);

@@ -1,5 +1,7 @@
 #include "layers/linear/element_linearisation.hpp"
 
+#include <algorithm>
+
 #include "layers/elements/several.hpp"
 #include "profile/stage.hpp"
 
@@ -21,6 +23,7 @@ struct ElementLinearisation::SeveralWork {
   SeveralTangent tangent;
   SeveralRateGradients rate_gradients;
   SeveralBlocks blocks;
+  SeveralSpread stiffness, damping;
 };
 
 ElementLinearisation::ElementLinearisation(const Layout& layout, const Evaluator& evaluator)
@@ -115,23 +118,27 @@ springnet_status ElementLinearisation::update_several(const ElementBatch& batch,
   const springnet_status status =
       evaluate_several(group, members, work.geometry, set, time, SeveralWanted::tangent, work.answers, message);
   if (status != SPRINGNET_OK) return status;
-  finite_ = tangent_of(group, work.answers, batch.count, work.tangent) && finite_;
-  several_blocks(kernels, group.scalars, work.geometry, batch.count, work.tangent, work.rate_gradients, work.blocks);
+  finite_ = tangent_of(kernels, group, work.answers, batch.count, work.tangent) && finite_;
   if (work.tangent.has_rates && !damped_) {
     damping_.assign(rows_.count(), Block::Zero());
     damped_ = true;
   }
-  const auto add = [](Block& block, const double(*rows)[several_batch], std::size_t i) {
-    for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c) block(r, c) += rows[3 * r + c][i];
+  const auto add = [](Block& block, const double* entries) {
+    double* const to = block.data();
+    for (std::size_t k = 0; k < 9; ++k) to[k] += entries[k];
   };
-  const std::size_t count = group.scalars.corners;
-  for (std::size_t i = 0; i < batch.count; ++i)
-    for (std::size_t a = 0; a < count; ++a)
-      for (std::size_t b = 0; b < count; ++b, ++targets) {
-        add(stiffness_[*targets], work.blocks.stiffness[a][b], i);
-        if (work.tangent.has_rates) add(damping_[*targets], work.blocks.damping[a][b], i);
+  const std::size_t corners = group.scalars.corners;
+  for (std::size_t begin = 0; begin < batch.count; begin += several_at_once) {
+    const std::size_t count = std::min(several_at_once, batch.count - begin);
+    several_blocks(kernels, group.scalars, work.geometry, begin, count, work.tangent, work.rate_gradients, work.blocks);
+    kernels.several.spread(work.blocks.stiffness, corners, work.stiffness);
+    if (work.tangent.has_rates) kernels.several.spread(work.blocks.damping, corners, work.damping);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t b = 0; b < corners * corners; ++b, ++targets) {
+        add(stiffness_[*targets], work.stiffness.entries[i] + 9 * b);
+        if (work.tangent.has_rates) add(damping_[*targets], work.damping.entries[i] + 9 * b);
       }
+  }
   return SPRINGNET_OK;
 }
 
