@@ -80,13 +80,15 @@ class SeveralCall {
   sdk::JacobianLayout layout_;
   const double *value_[max_scalars], *rate_[max_scalars], *reference_[max_scalars], *direction_[3];
   double* force_[max_scalars];
-  static constexpr sdk::JacobianLayout largest{max_scalars, max_parameters, max_states, max_inputs};
-  std::array<double*, largest.rows() * largest.columns(false)> matrix_;  // not initialised without derivatives
+  static constexpr sdk::JacobianLayout greatest{max_scalars, max_parameters, max_states, max_inputs};
+  std::array<double*, greatest.rows() * greatest.columns(false)> matrix_;  // not initialised without derivatives
 };
 
-// Entries of the greatest Jacobian.
-constexpr sdk::JacobianLayout greatest{1, max_parameters, max_states, max_inputs};
-constexpr std::size_t most_derivatives = greatest.rows() * greatest.columns(true);
+// Entries of the greatest Jacobian. Laws over several scalars make no steps of states.
+constexpr sdk::JacobianLayout of_one{1, max_parameters, max_states, max_inputs};
+constexpr sdk::JacobianLayout of_several{max_scalars, max_parameters, max_states, max_inputs};
+constexpr std::size_t most_derivatives =
+    std::max(of_one.rows() * of_one.columns(true), of_several.rows() * of_several.columns(false));
 
 springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_t instruction_set, double time,
                               const LawOutputs& out, springnet_message& message) {

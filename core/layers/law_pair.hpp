@@ -73,7 +73,8 @@ struct LawOutputs {
   double* energy_by_q = nullptr;            // dE/dq; null for a law without an energy
   const SeveralOutputs* several = nullptr;  // in place of the force and its derivatives
   bool several_tangent = false;             // whether derivatives of several are wanted
-  // [Jacobian of the law], see springnet_law_batch::derivatives; null: none of it is wanted.
+  // [Jacobian of the law], see springnet_law_batch::derivatives; null: none of it is wanted. In place of the tangent of
+  // several.
   double* const* derivatives = nullptr;
   // [parameter] dQ/d(parameter), each may be null, of a law without those; null: none is wanted.
   double* const* by_parameters = nullptr;
@@ -82,7 +83,7 @@ using PairOutputs = std::array<LawOutputs, 2>;  // as Group::laws()
 
 // The derivatives that laws with SPRINGNET_HAS_ALL_DERIVATIVES give; in a step of internal states those of the step.
 [[nodiscard]] inline sdk::JacobianLayout jacobian_of(const Law& law) noexcept {
-  return {1, law.parameter_count, law.state_count, law.input_count};
+  return {law.scalar_count > 0 ? law.scalar_count : 1, law.parameter_count, law.state_count, law.input_count};
 }
 [[nodiscard]] inline bool steps_states(const Law& law, const InternalView* view) noexcept {
   return law.state_count > 0 && view != nullptr && view->time_step > 0.0;

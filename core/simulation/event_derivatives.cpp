@@ -37,8 +37,10 @@ class Margin {
     const std::size_t columns = jacobian.columns(layers::steps_states(law, &internal));
     pointers_.assign(jacobian.rows() * columns, nullptr);
     double** const row = pointers_.data() + jacobian.margin() * columns;
-    row[jacobian.value()] = &by_q;
-    if (law.reads_rate) row[jacobian.rate()] = &by_rate;
+    for (std::size_t i = 0; i < jacobian.invariants; ++i) {
+      row[jacobian.value(i)] = &by_value[law.scalar_count > 0 ? law.scalar[i] : 0];
+      if (law.reads_rate) row[jacobian.rate(i)] = &by_rates[law.scalar_count > 0 ? law.scalar[i] : 0];
+    }
     if (law.can(SPRINGNET_READS_TIME)) row[jacobian.time()] = &by_time;
     for (std::size_t i = 0; i < by_slots_.size(); ++i) {
       double*& place = row[sets.slots[i].column];
@@ -54,20 +56,26 @@ class Margin {
   }
   [[nodiscard]] bool is_relative() const noexcept { return law_.relative; }
   // Adds its derivatives by sets, of a member of the group in this row.
-  void add_to(const layers::ResolvedSets& all, const layers::Group& group, std::uint32_t row,
-              std::uint32_t member) const {
+  // growth: of the references of laws over several scalars.
+  void add_to(const layers::ResolvedSets& all, const layers::Group& group, std::uint32_t row, std::uint32_t member,
+              const double* growth = nullptr) const {
     for (const layers::SetsOfGroup::Entry& entry : sets_.entries) {
       const layers::ParameterSet& set = all.sets()[entry.set];
       if (set.kind == layers::ParameterSet::Kind::input &&
           static_cast<std::uint32_t>(group.columns[entry.signal_column][row]) != set.input)
         continue;
       const bool is_time = set.kind == layers::ParameterSet::Kind::time;  // asked for in any case
-      set.values[set.is_one() ? 0 : member] += is_time ? by_time : by_slots_[entry.slot];
+      const bool grows = law_.scalar_count > 0 && set.kind == layers::ParameterSet::Kind::reference;
+      const double factor = grows ? growth[law_.scalar[entry.scalar]] : 1.0;
+      set.values[set.is_one() ? 0 : member] += is_time ? by_time : factor * by_slots_[entry.slot];
     }
   }
 
   double value = std::numeric_limits<double>::infinity();
-  double by_q = 0.0, by_rate = 0.0, by_time = 0.0;
+  // By the scalars of the group's list; of laws with one invariant the first ones.
+  double by_value[layers::max_scalars] = {}, by_rates[layers::max_scalars] = {};
+  double &by_q = by_value[0], &by_rate = by_rates[0];
+  double by_time = 0.0;
 
  private:
   const Law& law_;
@@ -129,11 +137,51 @@ springnet_status of_spring(Model& model, std::uint32_t spring, double time, cons
   return status;
 }
 
+// Whose laws read several scalars.
+springnet_status of_several(Model& model, std::uint32_t element, double time, const layers::NodeArrays& nodes,
+                            const layers::ResolvedSets& sets, Answer& answer) {
+  const layers::ElementLayout& elements = model.layout.elements();
+  const layers::Group& group = model.layout.laws().groups[elements.group(element)];
+  const layers::SetsOfGroup& wanted = sets.of(elements.group(element), true);
+  const InstructionSet set = model.evaluator.instruction_set();
+  Margin margins[2] = {{group.spring, wanted.laws[0], *nodes.internal},
+                       {group.viscosity, wanted.laws[1], *nodes.internal}};
+  const auto geometry = std::make_unique<layers::SeveralGeometry>();
+  layers::GatheredMembers gathered;
+  const layers::SeveralMembers& members = gathered.gather(elements, 1, [element](std::size_t) { return element; });
+  layers::kernels_for(set).several.geometry(group.scalars, members.corners, members.reference, nodes, true, *geometry);
+  const layers::SeveralInputs inputs = layers::inputs_of(members, *geometry);
+  layers::LawBatch batch{group, 1, members.rows, nullptr, nullptr};
+  batch.several = &inputs;
+  const springnet_status status =
+      layers::evaluate_laws(batch, set, time, {margins[0].outputs(), margins[1].outputs()}, model.journal.message);
+  if (status != SPRINGNET_OK) return status;
+  const Margin& least = margins[margins[1].value < margins[0].value ? 1 : 0];
+  const std::span<const std::uint32_t> own = elements.nodes(element);
+  double growth[layers::max_scalars] = {};
+  for (std::size_t s = 0; s < group.scalars.count; ++s) {
+    const layers::ElementScalar& scalar = group.scalars.scalar[s];
+    growth[s] = scalar.dimension() * members.reference[s][0];
+    if (scalar.reference_only) continue;
+    for (std::size_t c = 0; c < scalar.corner_count(); ++c) {
+      const Vector3 gradient = layers::gradient_of(scalar, geometry->gradient[s], c, 0);
+      answer.add(
+          own[scalar.corner[c]],
+          least.by_value[s] * gradient + least.by_rates[s] * layers::rate_gradient_of(scalar, *geometry, s, c, 0),
+          least.by_rates[s] * gradient);
+    }
+  }
+  answer.set_time(least.by_time);
+  least.add_to(sets, group, elements.row(element), element, growth);
+  return status;
+}
+
 springnet_status of_element(Model& model, std::uint32_t element, double time, const layers::NodeArrays& nodes,
                             const layers::ResolvedSets& sets, Answer& answer) {
   const layers::ElementLayout& elements = model.layout.elements();
   const layers::Group& group = model.layout.laws().groups[elements.group(element)];
   const layers::SetsOfGroup& wanted = sets.of(elements.group(element), true);
+  if (reads_several(elements.invariant(element))) return of_several(model, element, time, nodes, sets, answer);
   Margin margins[2] = {{group.spring, wanted.laws[0], *nodes.internal},
                        {group.viscosity, wanted.laws[1], *nodes.internal}};
   const springnet_status status =

@@ -64,6 +64,7 @@ springnet_status LawAnswers::find_elements(const HeldState& at, springnet_messag
     rate[0] = values.rate;
   } else {
     const ElementBatch& batch = elements.batches()[piece_.begin];
+    if (reads_several(batch.invariant)) return find_several(at, message);
     elements_.resize(element_batch);
     Corners corners;
     for (std::size_t i = 0; i < batch.count; ++i) {
@@ -83,9 +84,47 @@ springnet_status LawAnswers::find_elements(const HeldState& at, springnet_messag
   return evaluate_laws(laws, evaluator_.instruction_set(), at.time, outputs(at.nodes.internal), message);
 }
 
+springnet_status LawAnswers::find_several(const HeldState& at, springnet_message& message) {
+  const ElementLayout& elements = layout_.elements();
+  const ElementBatch& batch = elements.batches()[piece_.begin];
+  const InstructionSet set = evaluator_.instruction_set();
+  if (!several_) several_ = std::make_unique<SeveralGeometry>();
+  several_members_ = members_of(elements, batch);
+  several_weight_.resize(max_scalars);
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    members_[i] = elements.batched()[batch.begin + i];
+    rows_[i] = elements.row(members_[i]);
+  }
+  kernels_for(set).several.geometry(group_->scalars, several_members_.corners, several_members_.reference, at.nodes,
+                                    group_->reads_rate(), *several_);
+  const SeveralInputs inputs = inputs_of(several_members_, *several_);
+  LawBatch laws{*group_, batch.count, several_members_.rows, nullptr, nullptr};
+  laws.several = &inputs;
+  return evaluate_laws(laws, set, at.time, outputs(nullptr), message);
+}
+
+void LawAnswers::forces_of_several(const double (*changes)[several_batch], const CornerForces& out) const {
+  const double* q[2][max_scalars] = {};
+  for (std::size_t s = 0; s < group_->scalars.count; ++s)
+    if (!group_->scalars.scalar[s].reference_only) q[0][s] = changes[s];
+  kernels_for(evaluator_.instruction_set()).several.forces(group_->scalars, *several_, piece_.count, q, out);
+}
+
 void LawAnswers::weigh(const double* weights, const NodeArrays& nodes) {
   const std::size_t n = layout_.node_count();
   const auto weight_at = [&](std::size_t k) { return Vector3(weights[k], weights[n + k], weights[2 * n + k]); };
+  const bool several = piece_.of == ParameterPiece::Of::elements && group_->scalars.count > 0;
+  for (std::size_t s = 0; several && s < group_->scalars.count; ++s) {
+    const ElementScalar& scalar = group_->scalars.scalar[s];
+    if (scalar.reference_only) continue;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+      const std::span<const std::uint32_t> own = layout_.elements().nodes(members_[i]);
+      double& weight = several_weight_[s][i] = 0.0;
+      for (std::size_t c = 0; c < scalar.corner_count(); ++c)
+        weight -= weight_at(own[scalar.corner[c]]).dot(gradient_of(scalar, several_->gradient[s], c, i));
+    }
+  }
+  if (several) return;
   for (std::size_t i = 0; i < piece_.count; ++i) {
     const std::uint32_t member = members_[i];
     double& weight = weight_[0][i];

@@ -2,11 +2,13 @@
 // parameters.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "layers/elements/invariant.hpp"
+#include "layers/elements/several.hpp"
 #include "layers/evaluator.hpp"
 #include "layers/law_pair.hpp"
 #include "layers/parameters/sets.hpp"
@@ -40,11 +42,13 @@ class LawAnswers {
 
   struct Answer {
     std::uint32_t set, member;  // member: spring or element
+    std::size_t place;          // of the member in the piece
+    std::size_t scalar;         // of the group's list: which of the law's forces; 0 of laws with one
     double derivative;          // of the law's force by the set's parameter of this member
     double weight;              // of the law's force; after weigh()
     bool is_relative;           // the law acts along the relative velocity
   };
-  // Member by member for each parameter of a law, law by law.
+  // Member by member for each parameter of a law and each of its forces, law by law.
   template <class Use>
   void for_each(const Use& use) const;
   // The same of internal states, if sets are resolved with them: use(set, member, place in the internal state,
@@ -52,8 +56,13 @@ class LawAnswers {
   template <class Use>
   void for_each_state(const Use& use) const;
 
+  // The forces on the corners of the piece's elements from changes of their generalised forces, [scalar][member]; of
+  // laws over several scalars: use(member, corner, force).
+  template <class Use>
+  void for_each_corner(const double (*changes)[several_batch], const Use& use) const;
+
  private:
-  // Calls use(law, set, derivatives of its force ([member], then of its states), member of the piece).
+  // Calls use(law, entry, derivatives of its forces ([scalar][member], then of its states), member of the piece).
   template <class Use>
   void for_each_entry(const Use& use) const;
   [[nodiscard]] std::uint64_t internal_place(const Law& law, std::uint32_t member, std::size_t state) const {
@@ -65,6 +74,14 @@ class LawAnswers {
   }
   springnet_status find_springs(const HeldState& at, springnet_message& message);
   springnet_status find_elements(const HeldState& at, springnet_message& message);
+  springnet_status find_several(const HeldState& at, springnet_message& message);
+  void forces_of_several(const double (*changes)[several_batch], const CornerForces& out) const;
+  // By how much a reference of a law over several scalars grows with its element; else 1.
+  [[nodiscard]] double growth(const Law& law, const SetsOfGroup::Entry& entry, std::size_t i) const {
+    if (law.scalar_count == 0 || sets_->sets()[entry.set].kind != ParameterSet::Kind::reference) return 1.0;
+    const std::size_t s = law.scalar[entry.scalar];
+    return group_->scalars.scalar[s].dimension() * several_members_.reference[s][i];
+  }
   [[nodiscard]] PairOutputs outputs(const InternalView* view);
 
   const Layout& layout_;
@@ -80,6 +97,10 @@ class LawAnswers {
   double* by_parameters_[2][max_parameters];
   std::unique_ptr<SegmentGeometry> segment_;  // of springs
   std::vector<FirstOrder> elements_;          // of elements
+  // Of elements whose laws read several scalars, and the weights of their forces, [scalar][member].
+  std::unique_ptr<SeveralGeometry> several_;
+  SeveralMembers several_members_{};
+  std::vector<std::array<double, several_batch>> several_weight_;
 };
 
 template <class Use>
@@ -95,7 +116,7 @@ void LawAnswers::for_each_entry(const Use& use) const {
         if (set.kind == ParameterSet::Kind::input &&
             static_cast<std::uint32_t>(group_->columns[entry.signal_column][rows_[i]]) != set.input)
           continue;
-        use(*laws[k], entry.set, first, i);
+        use(*laws[k], entry, first, i);
       }
     }
     slots_before += own.slots.size();
@@ -104,16 +125,34 @@ void LawAnswers::for_each_entry(const Use& use) const {
 
 template <class Use>
 void LawAnswers::for_each(const Use& use) const {
-  for_each_entry([&](const Law& law, std::uint32_t set, const double* derivative, std::size_t i) {
-    use(Answer{set, members_[i], derivative[i], weight_[law.relative ? 1 : 0][i], law.relative});
+  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative, std::size_t i) {
+    if (law.scalar_count == 0)
+      return use(Answer{entry.set, members_[i], i, 0, derivative[i], weight_[law.relative ? 1 : 0][i], law.relative});
+    const double factor = growth(law, entry, i);
+    for (std::size_t j = 0; j < law.scalar_count; ++j) {
+      const std::size_t s = law.scalar[j];
+      if (group_->scalars.scalar[s].reference_only) continue;
+      use(Answer{entry.set, members_[i], i, s, factor * derivative[j * max_segment + i], several_weight_[s][i], false});
+    }
   });
 }
 
 template <class Use>
+void LawAnswers::for_each_corner(const double (*changes)[several_batch], const Use& use) const {
+  double force[3][max_corners * several_batch];
+  forces_of_several(changes, {force[0], force[1], force[2], several_batch});
+  for (std::size_t i = 0; i < piece_.count; ++i)
+    for (std::size_t c = 0; c < group_->scalars.corners; ++c) {
+      const std::size_t at = c * several_batch + i;
+      use(members_[i], c, Vector3(force[0][at], force[1][at], force[2][at]));
+    }
+}
+
+template <class Use>
 void LawAnswers::for_each_state(const Use& use) const {
-  for_each_entry([&](const Law& law, std::uint32_t set, const double* derivative, std::size_t i) {
+  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative, std::size_t i) {
     for (std::size_t j = 0; j < law.state_count; ++j)
-      use(set, members_[i], internal_place(law, members_[i], j), derivative[(1 + j) * max_segment + i]);
+      use(entry.set, members_[i], internal_place(law, members_[i], j), derivative[(1 + j) * max_segment + i]);
   });
 }
 

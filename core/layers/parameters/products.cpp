@@ -107,19 +107,30 @@ springnet_status ParameterProducts::force_change(const ResolvedSets& sets, const
   axial_.assign(springs ? layout_.spring_count() : 0, 0.0);
   along_.assign(springs ? layout_.spring_count() : 0, 0.0);
   generalised_.assign(layout_.elements().count(), 0.0);
+  corner_change_.assign(layout_.elements().slot_count(), Vector3::Zero());
   const springnet_status status =
       for_each<LawAnswers>(pieces, message, [&](std::size_t p, LawAnswers& answers, springnet_message& own) {
         const ParameterPiece& piece = pieces[p];
         if (const springnet_status answered = answers.find(piece, sets, held, own); answered != SPRINGNET_OK)
           return answered;
+        const bool several = piece.of == ParameterPiece::Of::elements &&
+                             reads_several(layout_.elements().batches()[piece.begin].invariant);
+        alignas(64) double changes[max_scalars][several_batch];
+        if (several) std::fill_n(changes[0], max_scalars * several_batch, 0.0);
         answers.for_each([&](const LawAnswers::Answer& answer) {
           const ParameterSet& set = sets.sets()[answer.set];
           const double change = answer.derivative * set.values[set.is_one() ? 0 : answer.member];
-          if (piece.of != ParameterPiece::Of::springs)
+          if (several)
+            changes[answer.scalar][answer.place] += change;
+          else if (piece.of != ParameterPiece::Of::springs)
             generalised_[answer.member] += change;
           else
             (answer.is_relative ? along_ : axial_)[answer.member] += change;
         });
+        if (several)
+          answers.for_each_corner(changes, [&](std::uint32_t element, std::size_t corner, const Vector3& change) {
+            corner_change_[layout_.elements().slot(element) + corner] = change;
+          });
         if (sets.with_states())
           answers.for_each_state([&](std::uint32_t i, std::uint32_t member, std::uint64_t place, double derivative) {
             const ParameterSet& set = sets.sets()[i];
@@ -164,8 +175,10 @@ void ParameterProducts::scatter_elements(const HeldState& held, double* force) c
   Corners corners;
   FirstOrder geometry;
   for (const std::uint32_t e : elements.batched()) {
-    if (generalised_[e] == 0.0) continue;
     const std::span<const std::uint32_t> own = elements.nodes(e);
+    for (std::size_t c = 0; reads_several(elements.invariant(e)) && c < own.size(); ++c)
+      add(force, n, own[c], corner_change_[elements.slot(e) + c]);
+    if (generalised_[e] == 0.0) continue;
     gather(own.data(), own.size(), held.nodes, corners);
     first_order(elements.invariant(e), corners, geometry);
     for (std::size_t i = 0; i < own.size(); ++i) add(force, n, own[i], -generalised_[e] * geometry.gradient[i]);

@@ -44,8 +44,10 @@ class ParameterProducts {
 
   const Layout& layout_;
   const Evaluator& evaluator_;
-  // Of the last call of force_change: changes of forces along the axis and along the relative velocity, of elements.
+  // Of the last call of force_change: changes of forces along the axis and along the relative velocity, of elements;
+  // and on the corners of elements whose laws read several scalars, [slot].
   std::vector<double> axial_, along_, generalised_;
+  std::vector<Vector3> corner_change_;
   std::vector<double> ones_;  // [piece][set] partial sums of sets with one number
 };
 

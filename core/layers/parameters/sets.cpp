@@ -33,14 +33,14 @@ std::optional<std::uint32_t> parameter_number(const Component& component, std::s
                           full_name(component), by));
 }
 
-// The slots of a column: of the force, then of `states` states.
+// The slots of a column: of the forces, then of `states` states.
 std::uint32_t slots_of(SetsOfGroup::OfLaw& law, std::size_t column, bool is_parameter, const sdk::JacobianLayout& rows,
                        std::size_t states) {
   std::vector<SetsOfGroup::Slot>& slots = law.slots;
   for (std::uint32_t i = 0; i < slots.size(); ++i)
     if (slots[i].row == rows.force() && slots[i].column == column && slots[i].is_parameter == is_parameter) return i;
   const auto first = static_cast<std::uint32_t>(slots.size());
-  slots.push_back({rows.force(), column, is_parameter});
+  for (std::size_t i = 0; i < rows.invariants; ++i) slots.push_back({rows.force(i), column, is_parameter});
   for (std::size_t j = 0; j < states; ++j) slots.push_back({rows.state_row(j), column, false});
   return first;
 }
@@ -82,19 +82,18 @@ void ResolvedSets::resolve_law(std::uint32_t number, const Group& group, std::si
   SetsOfGroup::OfLaw& own = out.laws[which];
   const std::size_t states = with_states_ ? law.state_count : 0;
   const bool has_all = law.can(SPRINGNET_HAS_ALL_DERIVATIVES);
-  const auto add = [&](std::size_t column, std::string_view by, std::uint32_t signal_column = 0) {
-    if (law.scalar_count > 0)
-      throw Error(ErrorKind::plugin,
-                  fmt::format("{} reads several scalars of an element: products by parameters do not "
-                              "cover such laws; leave it out of the parameter sets",
-                              full_name(*law.component)));
+  const auto add = [&](std::size_t column, std::string_view by, std::uint32_t signal_column = 0,
+                       std::uint32_t scalar = 0) {
     if (!has_all) lacks(*law.component, by);
-    own.entries.push_back({number, slots_of(own, column, false, jacobian, states), signal_column});
+    own.entries.push_back({number, slots_of(own, column, false, jacobian, states), signal_column, scalar});
     found_[number] = 1;
   };
   switch (set.kind) {
     case Kind::reference:
-      add(jacobian.reference(), "its reference value");
+      if (law.scalar_count == 0) add(jacobian.reference(), "its reference value");
+      for (std::uint32_t j = 0; j < law.scalar_count; ++j)
+        if (group.scalars.scalar[law.scalar[j]].dimension() > 0)
+          add(jacobian.reference(j), "its reference values", 0, j);
       break;
     case Kind::input:
       for (std::size_t i = 0; i < law.input_count; ++i)
