@@ -25,6 +25,13 @@ springnet_status view_elements(void* context, springnet_element_view* request) {
     return springnet::view_elements(engine.model(), view);
   });
 }
+springnet_status view_scalars(void* context, springnet_scalar_view* request) {
+  return outside_of_sweeps(context, "view_scalars", [&](Engine& engine) {
+    springnet_scalar_view& view = SPRINGNET_REQUEST(springnet_scalar_view, request, by_rate);
+    static_cast<void>(checked(view.at));
+    return springnet::view_scalars(engine.model(), view);
+  });
+}
 springnet_status balance(void* context, springnet_balance* request) {
   return outside_of_sweeps(context, "balance", [&](Engine& engine) {
     springnet_balance& balance = SPRINGNET_REQUEST(springnet_balance, request, angular_momentum);
@@ -60,6 +67,7 @@ springnet_status stop(void* context, springnet_stop* request) {
 void add_functions_2_1(springnet_host& host) {
   host.part_forces = part_forces;
   host.view_elements = view_elements;
+  host.view_scalars = view_scalars;
   host.balance = balance;
   host.parallel_for = parallel_for;
   host.system_rows = system_rows;

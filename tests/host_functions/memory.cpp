@@ -101,6 +101,39 @@ TEST_CASE("dense output: the cubic through both ends of the last step, and nothi
   CHECK_FALSE(without.between(0.5 * h));
 }
 
+TEST_CASE("dense output of cvode is the state that it would have committed there, with events and jumps of loads") {
+  Network net = oscillator(damped(9.0, 0.3), 1.0, 0.25, 0.4);
+  net.add_load({{1}, {0, 0.5, -2.0}, 0.6, 1.3});
+  net.add_plane({"floor", {0, 0, -0.3}, {0, 0.1, 1}});
+  for (const double method : {0.0, 1.0}) {
+    CAPTURE(method);
+    const double h = 0.25;
+    Simulation s = simulate(net, cvode(1e-9, {{"method", method}, {"dense_output", 1.0}}), h);
+    Simulation fine = simulate(net, cvode(1e-9, {{"method", method}}), h / 32.0);
+    Simulation plain = simulate(net, cvode(1e-9, {{"method", method}}), h);
+    CHECK_FALSE(s.between(0.0));
+    for (int i = 0; i < 8; ++i) {
+      s.step();
+      plain.step();
+      CHECK(s.positions() == plain.positions());  // what is kept changes nothing
+      for (int k = 1; k <= 32; ++k) {
+        fine.step();
+        const auto there = s.between(fine.time());
+        REQUIRE(there);
+        // The same polynomials, by their derivatives in place of differences: rounding.
+        CHECK((there->positions - fine.positions()).norm() <= 1e-13);
+        CHECK((there->velocities - fine.velocities()).norm() <= 1e-12);
+      }
+      CHECK_FALSE(s.between(s.time() - 1.01 * h));
+      CHECK_FALSE(s.between(s.time() + 1e-6));
+    }
+    CHECK(s.events().size() > 0);
+    s.drop_history();
+    CHECK_FALSE(s.between(s.time()));
+    CHECK_FALSE(plain.between(plain.time()));
+  }
+}
+
 TEST_CASE("an integrator that declares to be without contact or rigid connections is refused where there are any") {
   const auto with = [](const Network& net) {
     SimulationOptions options;

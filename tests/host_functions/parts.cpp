@@ -190,6 +190,110 @@ TEST_CASE("removed springs have no nodes and no force; ranges and room are check
   s.step();
 }
 
+TEST_CASE("elements over several scalars, one by one") {
+  // A tetrahedron with a fibre solid and a viscosity, a hinge, a triangle with a law of one scalar.
+  Network net;
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(30, -1.0, 1.0).array().sin();
+  const Vector3 places[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}};
+  for (Eigen::Index k = 0; k < 5; ++k)
+    net.add_node(
+        point(places[k] + 0.1 * x.segment<3>(3 * k), 1.0 + 0.1 * static_cast<double>(k), x.segment<3>(3 * k + 15)));
+  const LawUse fibres{
+      "fibre_solid",
+      {{"youngs_modulus", 3.0}, {"poisson_ratio", 0.2}, {"fibre_modulus", 2.0}, {"fibre_stiffening", 1.0}}};
+  const LawUse shell{"shell", {{"youngs_modulus", 90.0}, {"poisson_ratio", 0.3}, {"thickness", 0.3}}};
+  const LawUse viscous{"viscous_solid", {{"shear_viscosity", 0.6}, {"bulk_viscosity", 0.3}}};
+  net.add_element(Invariant::tetrahedron, {0, 1, 2, 3}, net.add_material({fibres, viscous}),
+                  {places[0], places[1], places[2], places[3]}, Vector3(1, 2, 3));
+  net.add_element(Invariant::hinge, {1, 2, 0, 4}, net.add_material({shell, std::nullopt}),
+                  {places[1], places[2], places[0] + Vector3(0, 0, 0.1), places[4]});
+  net.add_element(Invariant::area, {0, 1, 2}, net.add_material({LawUse{"linear", {{"stiffness", 2.0}}}, std::nullopt}));
+  within_step(net, [](const sdk::Host& host) {
+    const At at(host);
+    const springnet_evaluation evaluation = at.evaluation();
+    constexpr double step = 1e-5;
+    for (const std::uint32_t e : {0u, 1u}) {
+      CAPTURE(e);
+      const springnet_scalar_view view = host.view_scalars(evaluation, e);
+      REQUIRE(view.node_count == 4);
+      REQUIRE(view.scalar_count == (e == 0 ? 7 : 6));
+      const auto gradient = [](const springnet_scalar_view& of, std::size_t s, std::size_t k) {
+        return Vector3(Eigen::Map<const Vector3>(of.gradient[s][k]));
+      };
+      // Forces on the nodes, of this element alone, are those that move energy and momentum: against differences.
+      for (std::size_t s = 0; s < view.scalar_count; ++s) {
+        CAPTURE(s);
+        const bool is_read = view.scalars[s].flags != SPRINGNET_REFERENCE_ONLY;
+        CHECK(is_read == (e == 0 || view.scalars[s].kind == SPRINGNET_DIHEDRAL));
+        CHECK(view.reference[s] != 0.0);
+        double rate = 0.0;
+        for (std::size_t k = 0; k < 4; ++k) rate += gradient(view, s, k).dot(at.velocity.at(view.nodes[k]));
+        CHECK(rate == doctest::Approx(view.rate[s]).epsilon(1e-9).scale(1));
+        if (view.scalars[s].kind == SPRINGNET_LENGTH && is_read)
+          CHECK(view.value[s] == doctest::Approx((at.position.at(view.nodes[view.scalars[s].corners[0]]) -
+                                                  at.position.at(view.nodes[view.scalars[s].corners[1]]))
+                                                     .norm()));
+      }
+      for (std::size_t k = 0; k < 4; ++k) {
+        At moved = at, faster = at;
+        const Vector3 way = Vector3(0.3, -0.5, 0.8);
+        moved.position.add(view.nodes[k], step * way);
+        faster.velocity.add(view.nodes[k], step * way);
+        const springnet_scalar_view other = host.view_scalars(moved.evaluation(), e);
+        const springnet_scalar_view quick = host.view_scalars(faster.evaluation(), e);
+        for (std::size_t i = 0; i < view.scalar_count; ++i) {
+          CHECK((other.value[i] - view.value[i]) / step ==
+                doctest::Approx(gradient(view, i, k).dot(way)).epsilon(1e-3).scale(1e-2));
+          double by_value = 0.0, by_rate = 0.0, by_rate_alone = 0.0;
+          for (std::size_t j = 0; j < view.scalar_count; ++j) {
+            const double change = other.value[j] - view.value[j];
+            by_value += (view.by_value[0][i][j] + view.by_value[1][i][j]) * change;
+            by_rate += view.by_rate[1][i][j] * (other.rate[j] - view.rate[j]);
+            by_rate_alone += view.by_rate[1][i][j] * (quick.rate[j] - view.rate[j]);
+          }
+          const double changes = other.force[0][i] + other.force[1][i] - view.force[0][i] - view.force[1][i];
+          CHECK(changes / step == doctest::Approx((by_value + by_rate) / step).epsilon(1e-3).scale(1e-2));
+          CHECK((quick.force[1][i] - view.force[1][i]) / step ==
+                doctest::Approx(by_rate_alone / step).epsilon(1e-6).scale(1e-4));
+        }
+      }
+      CHECK(view.by_rate[0][0][0] == 0.0);
+    }
+    // All of them, and the forces by parts: each law's share.
+    for (const std::uint32_t parts : {SPRINGNET_PART_ELEMENTS, SPRINGNET_PART_ELEMENT_VISCOSITIES}) {
+      Vectors sum = part(host, evaluation, parts);
+      double size = 0.0;
+      for (std::uint32_t node = 0; node < at.n; ++node) size += sum.at(node).norm();
+      CHECK(size > 0.01);
+      const std::size_t law = parts == SPRINGNET_PART_ELEMENTS ? 0 : 1;
+      for (const std::uint32_t e : {0u, 1u}) {
+        const springnet_scalar_view view = host.view_scalars(evaluation, e);
+        for (std::size_t k = 0; k < 4; ++k)
+          for (std::size_t s = 0; s < view.scalar_count; ++s)
+            sum.add(view.nodes[k], view.force[law][s] * Vector3(Eigen::Map<const Vector3>(view.gradient[s][k])));
+      }
+      if (law == 0) {
+        const View plain(host, evaluation, true, 2, 1);
+        for (std::size_t k = 0; k < 3; ++k) sum.add(plain.nodes[k], plain.force[0] * plain.gradient(k));
+      }
+      for (std::uint32_t node = 0; node < at.n; ++node) CHECK(sum.at(node).norm() <= 1e-13 * size);
+    }
+    // One by one they are what batches of them are.
+    Vectors net_force(at.n);
+    springnet_evaluation whole = evaluation;
+    whole.force = net_force.out();
+    host.evaluate(whole);
+    const Vectors elastic = part(host, evaluation, SPRINGNET_PART_ELEMENTS);
+    const Vectors damping = part(host, evaluation, SPRINGNET_PART_ELEMENT_VISCOSITIES);
+    for (std::uint32_t node = 0; node < at.n; ++node)
+      CHECK((elastic.at(node) + damping.at(node) - net_force.at(node)).norm() <= 1e-12);
+    CHECK_THROWS_WITH_AS(static_cast<void>(host.view_scalars(evaluation, 2)),
+                         doctest::Contains("the laws of element 2 read one scalar"), sdk::Failure);
+    CHECK_THROWS_WITH_AS(static_cast<void>(host.view_scalars(evaluation, 3)), doctest::Contains("the network has 3"),
+                         sdk::Failure);
+  });
+}
+
 TEST_CASE("energy and momentum of a state are those of the simulation") {
   task() = [](const sdk::Host&) {};
   const Network net = of_everything();

@@ -34,6 +34,13 @@ std::vector<Case> cases_2_1() {
   return {
       without_request("asks for no parts", &springnet_host::part_forces),
       without_request("views nothing", &springnet_host::view_elements),
+      without_request("views no scalars", &springnet_host::view_scalars),
+      spoilt("views scalars of an element that there is not", &springnet_host::view_scalars,
+             [](springnet_scalar_view& r, const StepContext&) { r.element = 1000; }),
+      spoilt("views scalars in a small struct", &springnet_host::view_scalars,
+             [](springnet_scalar_view& r, const StepContext&) { r.struct_size = 64; }),
+      spoilt("views scalars at no state", &springnet_host::view_scalars,
+             [](springnet_scalar_view& r, const StepContext&) { r.at = nullptr; }),
       without_request("asks for no balance", &springnet_host::balance),
       without_request("loops over nothing", &springnet_host::parallel_for),
       without_request("asks for no rows", &springnet_host::system_rows),

@@ -256,6 +256,8 @@ bool ReferenceIntegrator::mark_past_events() noexcept {
 void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
   const std::uint64_t evaluations_before = equations_.work().evaluations;
   steps_before_ = internal_steps();
+  dense_from_ = host_.committed().time;
+  dense_.begin(dense_from_);
   const auto fill_report = [&](std::int32_t outcome) {
     report.outcome = outcome;
     report.steps = static_cast<std::uint64_t>(internal_steps() - steps_before_);
@@ -270,6 +272,7 @@ void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
     while (host_.committed().time < until) step_towards(until);
   } catch (const sdk::Failure& failure) {
     restart_ = true;  // CVODE's history is no longer valid
+    forget_dense();
     fill_report(SPRINGNET_DIVERGING);
     if (failure.recoverable()) throw sdk::Failure(failure.what());
     throw;
@@ -292,6 +295,7 @@ void ReferenceIntegrator::forget() {
   event_values_.clear();
   fired_.clear();
   impact_.reset();
+  forget_dense();
   events_at_once_ = 0;
   last_event_time_ = -std::numeric_limits<double>::infinity();
 }
@@ -352,19 +356,21 @@ double ReferenceIntegrator::solve_until(double target, bool& event) {
 bool ReferenceIntegrator::steps_reach(double target, long max_steps, double& reached, bool& event) {
   void* memory = memory_.get();
   const bool searches = host_.network().surface_count > 0;
-  // One step at a time if each is searched for impacts.
-  check(CVodeSetMaxNumSteps(memory, searches ? 1 : max_steps));
-  for (long done = 0; done < max_steps; done += searches ? 1 : max_steps) {
+  // One step at a time if each is searched for impacts, or kept.
+  const bool one_by_one = searches || settings_.dense_output;
+  check(CVodeSetMaxNumSteps(memory, one_by_one ? 1 : max_steps));
+  for (long done = 0; done < max_steps; done += one_by_one ? 1 : max_steps) {
     // After an output, search the rest of the last step first.
     if (searches) search_for_impact(target);
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
+    if (settings_.dense_output) dense_.add_step(memory, restart_time_, context_);
     if (searches) search_for_impact(target);
     // A root at the same time marks further events.
     const bool is_root = flag == CV_ROOT_RETURN && impact_ && same_time(*impact_, reached, root_accuracy);
     if (impact_ && *impact_ <= reached && !is_root) {
       reached = *impact_;
-      interpolate(reached);
+      return_to(reached);
       std::fill(fired_.begin(), fired_.end(), 0);
       event = true;
       return true;
@@ -395,7 +401,18 @@ void ReferenceIntegrator::search_for_impact(double until) {
   impact_ = host_.time_of_impact({std::max(end - length, restart_time_), end}, part, depth, write);
 }
 
-void ReferenceIntegrator::interpolate(double time) { check(CVodeGetDky(memory_.get(), time, 0, y_.get())); }
+void ReferenceIntegrator::return_to(double time) { check(CVodeGetDky(memory_.get(), time, 0, y_.get())); }
+
+void ReferenceIntegrator::interpolate(double time, const springnet_vectors& position,
+                                      const springnet_vectors& velocity) const {
+  if (!settings_.dense_output) throw sdk::Failure("cvode keeps no states within a time step; set dense_output = true");
+  const std::size_t n = host_.network().node_count;
+  std::vector<double> y(6 * n);
+  const bool is_within = time >= dense_from_ && time <= host_.committed().time;
+  if (!is_within || !dense_.evaluate(time, y.size(), y.data()))
+    throw sdk::Failure("no step that is kept includes that time");
+  unpack(y.data(), position, velocity, n);
+}
 
 // Carries out the events marked in fired_, on state_, and commits it.
 void ReferenceIntegrator::fire_events(double time) {

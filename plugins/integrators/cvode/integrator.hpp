@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
 
 #include "counters.hpp"
+#include "dense_output.hpp"
 #include "equations.hpp"
 #include "linear_solver.hpp"
 #include "settings.hpp"
@@ -28,6 +30,8 @@ class ReferenceIntegrator {
   void advance(double until, springnet_step_report& report);
   // Drops CVODE's history, and all else that is kept but the counters: the next advance() starts as the first did.
   void forget();
+  // The state at a time within the last advance(); throws sdk::Failure at others, and without the setting for it.
+  void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity) const;
 
  private:
   [[nodiscard]] LinearSolverKind linear_solver() const;
@@ -47,8 +51,8 @@ class ReferenceIntegrator {
   [[nodiscard]] bool steps_reach(double target, long max_steps, double& reached, bool& event);
   // Finds the first touch within the last step, up to `until`: roots show only touches visible at the ends of a step.
   void search_for_impact(double until);
-  // Sets y_ to the state at a time within the last step.
-  void interpolate(double time);
+  // Sets y_ to the state at a time within the last internal step.
+  void return_to(double time);
   [[nodiscard]] bool mark_past_events() noexcept;
   void fire_events(double time);
   void commit(double time);
@@ -80,7 +84,13 @@ class ReferenceIntegrator {
   double last_event_time_;            // s
   std::uint64_t events_at_once_ = 0;
   long steps_before_ = 0;  // internal steps before advance()
-  Counters total_;         // until the last restart
+  void forget_dense() {
+    dense_.forget();
+    dense_from_ = std::numeric_limits<double>::infinity();
+  }
+  DenseOutput dense_;                                            // if wanted
+  double dense_from_ = std::numeric_limits<double>::infinity();  // s, where the last advance() began
+  Counters total_;                                               // until the last restart
   std::uint64_t restarts_ = 0;
 };
 

@@ -40,7 +40,8 @@ class Cvode : public Integrator {
       integer("max_steps", "largest number of internal steps between two outputs; more end the run")
           .preset(100000)
           .at_least(1)
-          .at_most(1e9)};
+          .at_most(1e9),
+      boolean("dense_output", "keeps the internal steps of a time step, for states within it; takes memory")};
 
   Cvode(Host host, Options options) : integrator_(host, read(options)) {}
 
@@ -50,6 +51,9 @@ class Cvode : public Integrator {
   }
 
   void forget() { integrator_.forget(); }
+  void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity) {
+    integrator_.interpolate(time, position, velocity);
+  }
   void limits(const LimitSink& sink) { sink.none("", "it divides time steps by its error test"); }
 
  private:
@@ -63,6 +67,7 @@ class Cvode : public Integrator {
     settings.max_order = options.integer<int>("max_order");
     settings.max_step = options["max_step"];
     settings.max_steps = options.integer<long>("max_steps");
+    settings.dense_output = options.boolean("dense_output");
     return settings;
   }
 

@@ -15,6 +15,7 @@ struct Settings {
   int max_order = 0;        // 0: the method's highest, 5 (bdf) or 12 (adams)
   double max_step = 0.0;    // s; 0: no limit
   long max_steps = 100000;  // between outputs
+  bool dense_output = false;
 };
 
 }  // namespace springnet::cvode

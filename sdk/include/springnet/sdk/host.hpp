@@ -441,6 +441,16 @@ class Host {
     view.struct_size = sizeof view;
     check(table_->view_elements(table_->context, &view));
   }
+  // An element whose laws read several scalars.
+  [[nodiscard]] springnet_scalar_view view_scalars(const springnet_evaluation& at, std::uint32_t element) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, view_scalars), "view_scalars");
+    auto view = sized<springnet_scalar_view>();
+    view.at = &at;
+    view.element = element;
+    check(table_->view_scalars(table_->context, &view));
+    view.at = nullptr;
+    return view;
+  }
   [[nodiscard]] springnet_balance balance(const springnet_evaluation& at) const {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, balance), "balance");
     auto request = sized<springnet_balance>();

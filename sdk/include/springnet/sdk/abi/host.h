@@ -3,6 +3,7 @@
 #define SPRINGNET_SDK_ABI_HOST_H
 
 #include <springnet/sdk/abi/basics.h>
+#include <springnet/sdk/abi/law.h>
 #include <springnet/sdk/abi/network.h>
 
 #ifdef __cplusplus
@@ -268,7 +269,9 @@ enum {
 };
 
 /* Scalars of one kind, one for each of these: springs, elements (by their numbers in the network, removed ones
- * included), nodes (the engine's numbers), or a single one for an input signal and the time. */
+ * included), nodes (the engine's numbers), or a single one for an input signal and the time. The reference value of an
+ * element whose laws read several scalars is its growth at rest, 1: lengths are multiplied by it, areas by its square,
+ * volumes by its cube. */
 typedef struct springnet_parameter_set {
   uint32_t struct_size;
   uint32_t kind;         /* SPRINGNET_BY_REFERENCE … */
@@ -334,7 +337,8 @@ typedef struct springnet_part_forces {
 /* Springs, or elements, one by one: with q the value of its invariant (length, angle, area, volume) member i exerts
  * -Q dq/dp on each of its nodes, Q = Q_spring + Q_viscosity. Numbers are those of the scene, removed ones included,
  * which have no nodes and zeros. Elements whose laws read several scalars have the value, rate and gradients of their
- * angle, area or volume, and nan for Q and its derivatives. Arrays are null where they are not wanted. */
+ * angle, area or volume, and nan for Q and its derivatives: see springnet_scalar_view. Arrays are null where they are
+ * not wanted. */
 typedef struct springnet_element_view {
   uint32_t struct_size;
   uint32_t of_elements;           /* 0: springs; 1: elements */
@@ -354,6 +358,25 @@ typedef struct springnet_element_view {
    */
   uint32_t* relative;
 } springnet_element_view;
+
+/* One element whose laws read several scalars q_i of its nodes: it exerts -sum_i Q_i dq_i/dp on each node,
+ * Q_i = Q_i spring + Q_i viscosity. The scalars are those of the spring function, then those of the viscosity function
+ * that the former does not read. One that is read at rest alone has a value, a rate, gradients and forces of 0. */
+typedef struct springnet_scalar_view {
+  uint32_t struct_size;
+  uint32_t element;                  /* its number in the scene; SPRINGNET_FAILED for one with a single scalar */
+  const springnet_evaluation* at;    /* its state; no outputs */
+  uint32_t node_count, scalar_count; /* out; 0: the element was removed */
+  uint32_t nodes[4];                 /* out: engine's numbers */
+  springnet_invariant scalars[SPRINGNET_MOST_INVARIANTS]; /* out: kind and corners */
+  double value[SPRINGNET_MOST_INVARIANTS];                /* out: q_i; m, rad, m^2 or m^3 */
+  double rate[SPRINGNET_MOST_INVARIANTS];
+  double reference[SPRINGNET_MOST_INVARIANTS];      /* out: at rest */
+  double gradient[SPRINGNET_MOST_INVARIANTS][4][3]; /* out: dq_i/dp of each node */
+  double force[2][SPRINGNET_MOST_INVARIANTS];       /* out: Q_i of the spring function, of the viscosity function */
+  double by_value[2][SPRINGNET_MOST_INVARIANTS][SPRINGNET_MOST_INVARIANTS]; /* out: dQ_i/dq_j */
+  double by_rate[2][SPRINGNET_MOST_INVARIANTS][SPRINGNET_MOST_INVARIANTS];  /* out: dQ_i/dq_j' */
+} springnet_scalar_view;
 
 /* Energy and momentum at a state. */
 typedef struct springnet_balance {
@@ -485,6 +508,7 @@ typedef struct springnet_host {
   /* Why the present `advance` should end early: its deadline has passed, or the program asked for it. What `deadline`
    * says of a method then holds for both; `deadline` answers -1 s once the program has asked. */
   springnet_status (*stop)(void* context, springnet_stop* stop);
+  springnet_status (*view_scalars)(void* context, springnet_scalar_view* view);
 } springnet_host;
 
 #ifdef __cplusplus
