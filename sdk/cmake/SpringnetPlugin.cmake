@@ -9,9 +9,6 @@
 # Variables, all optional:
 #   SPRINGNET_PLUGIN_OUTPUT_DIRECTORY   folder the build writes the plugin to
 #   SPRINGNET_PLUGIN_INSTALL_DIRECTORY  folder it is installed to, default <libdir>/springnet/plugins
-#
-# In springnet's own tree there is also <name>_static, built on demand: the same sources as an object library whose
-# entry is springnet_plugin_entry_<name>, to be linked into a program and registered with PluginHost::add.
 function(springnet_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "SOURCES;LIBRARIES")
   if(plugin_UNPARSED_ARGUMENTS)
@@ -50,10 +47,6 @@ function(springnet_add_plugin name)
 
   if(TARGET springnet_plugins)
     add_dependencies(springnet_plugins ${name})
-    add_library(${name}_static OBJECT EXCLUDE_FROM_ALL ${plugin_SOURCES})
-    _springnet_plugin_flags(${name}_static ${plugin_LIBRARIES})
-    string(MAKE_C_IDENTIFIER ${name} identifier)
-    target_compile_definitions(${name}_static PRIVATE SPRINGNET_STATIC_PLUGIN=${identifier})
   endif()
 endfunction()
 

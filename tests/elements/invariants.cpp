@@ -1,6 +1,8 @@
-// Values, gradients and Hessians of the invariants against sixth-order differences of other formulas.
+// Values and gradients of the invariants against the complex step of other formulas, Hessians against sixth-order
+// differences of gradients.
 #include <array>
 #include <cmath>
+#include <complex>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -28,8 +30,8 @@ auto derivative(const Function& f) {
   const auto odd = [&](double h) { return decltype(f(0.0))(f(h) - f(-h)); };
   return decltype(f(0.0))((45.0 * odd(step) - 9.0 * odd(2 * step) + odd(3 * step)) / (60.0 * step));
 }
-constexpr double first_tolerance = 2e-11;   // rounding of q of order 1, and seventh derivatives of some 10^5
-constexpr double second_tolerance = 2e-10;  // gradients have steeper derivatives
+// Rounding of gradients of order 1, and seventh derivatives of these of some 10^6.
+constexpr double second_tolerance = 2e-10;
 
 constexpr std::array four{Invariant::angle, Invariant::dihedral, Invariant::area, Invariant::volume};
 
@@ -51,9 +53,61 @@ double plain(Invariant invariant, const Corners& corners) {
   return plain_invariant(invariant, {std::begin(corners.position), std::end(corners.position)});
 }
 
+using Complex = std::complex<double>;
+struct ComplexVector {
+  Complex x, y, z;
+  friend ComplexVector operator-(const ComplexVector& a, const ComplexVector& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
+  friend ComplexVector operator*(const Complex& s, const ComplexVector& a) { return {s * a.x, s * a.y, s * a.z}; }
+};
+// Without conjugates.
+Complex dot(const ComplexVector& a, const ComplexVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+ComplexVector cross(const ComplexVector& a, const ComplexVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+ComplexVector unit(const ComplexVector& a) { return 1.0 / std::sqrt(dot(a, a)) * a; }
+
+// dq/d(coordinate) to rounding: Im q(p + i h) / h, with no difference of nearly equal numbers.
+double complex_step(Invariant invariant, const Corners& corners, std::size_t corner, Eigen::Index coordinate) {
+  constexpr double tiny = 1e-60;
+  std::array<ComplexVector, 4> p;
+  for (std::size_t i = 0; i < 4; ++i)
+    p[i] = {corners.position[i].x(), corners.position[i].y(), corners.position[i].z()};
+  (coordinate == 0 ? p[corner].x : coordinate == 1 ? p[corner].y : p[corner].z) += Complex(0.0, tiny);
+  Complex q;
+  switch (invariant) {
+    case Invariant::angle: {
+      const ComplexVector u = unit(p[0] - p[1]), w = unit(p[2] - p[1]), n = cross(u, w);
+      q = std::atan(std::sqrt(dot(n, n)) / dot(u, w));
+      break;
+    }
+    case Invariant::dihedral: {
+      const ComplexVector edge = unit(p[1] - p[0]);
+      const auto tip = [&](std::size_t k) {
+        const ComplexVector t = p[k] - p[0];
+        return unit(t - dot(edge, t) * edge);
+      };
+      const ComplexVector c = tip(2), d = tip(3);
+      q = std::atan(dot(edge, cross(c, d)) / dot(c, d));
+      break;
+    }
+    case Invariant::area: {  // Heron's formula
+      const auto side = [&](std::size_t i, std::size_t j) { return std::sqrt(dot(p[i] - p[j], p[i] - p[j])); };
+      const Complex a = side(1, 2), b = side(2, 0), c = side(0, 1), s = 0.5 * (a + b + c);
+      q = std::sqrt(s * (s - a) * (s - b) * (s - c));
+      break;
+    }
+    default:
+      q = dot(p[3] - p[2], cross(p[1] - p[2], p[0] - p[2])) / -6.0;
+  }
+  return q.imag() / tiny;
+}
+
 }  // namespace
 
 TEST_CASE("values, rates and gradients are those of plain formulas") {
+  constexpr double rounding = 2e-14;  // of gradients of order 1 and their products, some ten operations
   for (const Invariant invariant : four) {
     for (unsigned seed = 1; seed <= 5; ++seed) {
       CAPTURE(name_of(invariant));
@@ -66,18 +120,14 @@ TEST_CASE("values, rates and gradients are those of plain formulas") {
       double rate = 0.0;
       for (std::size_t i = 0; i < corners_of(invariant); ++i) {
         for (Eigen::Index c = 0; c < 3; ++c) {
-          const double expected = derivative([&](double h) {
-            Corners moved = corners;
-            moved.position[i][c] += h;
-            return plain(invariant, moved);
-          });
-          CHECK(std::abs(found.gradient[i][c] - expected) < first_tolerance);
+          const double expected = complex_step(invariant, corners, i, c);
+          CHECK(std::abs(found.gradient[i][c] - expected) < rounding);
           rate += expected * corners.velocity[i][c];
         }
         sum += found.gradient[i];
         torque += corners.position[i].cross(found.gradient[i]);
       }
-      CHECK(std::abs(found.rate - rate) < 10 * first_tolerance);
+      CHECK(std::abs(found.rate - rate) < 10 * rounding);
       // Rigid motions change nothing: rounding.
       CHECK(sum.norm() < 1e-14);
       CHECK(torque.norm() < 1e-14);

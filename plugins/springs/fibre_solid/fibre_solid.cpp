@@ -2,10 +2,12 @@
 //   W = W_solid + Ef / (8 k) (exp(k x^2) - 1),   x = I4 - 1, or max(x, 0) for fibres that do not push.
 // Near rest the fibres add the modulus Ef along a; in the limit k = 0 they have W = Ef x^2 / 8.
 #include <springnet/sdk/law.hpp>
-#include <springnet/sdk/law/simplex.hpp>
+
+#include "../solid/neo_hookean.hpp"
 
 namespace {
 using namespace springnet::sdk;
+namespace neo_hookean = springnet::plugins::neo_hookean;
 
 struct FibreSolid : SpringFunction {
   enum { youngs_modulus, poisson_ratio, fibre_modulus, fibre_stiffening, fibres_push };
@@ -36,33 +38,26 @@ struct FibreSolid : SpringFunction {
   }
 
   static auto energy(const auto& e, const auto& p) {
-    const auto mu = p[youngs_modulus] / (2.0 * (1.0 + p[poisson_ratio]));
-    const auto rest = gram<3>(e.reference, e.reference);
-    const auto trace = contracted(rest.adjugate(), gram<3>(e.q, e.q)) / rest.determinant();
-    const auto j = e.q[6] / e.reference[6] - 1.0;
     const auto x = stretched(e, p);
     const auto k = p[fibre_stiffening];
     // (exp(k x^2) - 1) / k, by its series where k x^2 is small
     const auto y = k * x * x;
     const auto fibres = y > 1e-8 ? expm1(y) / (k > 0.0 ? k : k + 1.0) : x * x * (1.0 + 0.5 * y);
-    return e.reference[6] * (mu * (0.5 * (trace - 3.0) + j * (0.5 * j / (1.0 - 2.0 * p[poisson_ratio]) - 1.0)) +
-                             0.125 * p[fibre_modulus] * fibres);
+    return e.reference[6] *
+           (neo_hookean::energy(e, p[youngs_modulus], p[poisson_ratio]) + 0.125 * p[fibre_modulus] * fibres);
   }
 
   template <class Real>
   static std::array<Real, 7> force(const SeveralOf<Real, 7>& e, const Parameters<Real>& p) {
-    const Real mu = p[youngs_modulus] / (2.0 * (1.0 + p[poisson_ratio]));
-    const Symmetric<Real, 3> rest = gram<3>(e.reference, e.reference);
+    const Real mu = neo_hookean::shear_modulus(p[youngs_modulus], p[poisson_ratio]);
     // V0 dW/dI4 a a^T
     const Real x = stretched(e, p);
     const Real along = 0.25 * e.reference[6] * p[fibre_modulus] * x * exp(p[fibre_stiffening] * x * x);
     const auto& a = e.direction;
     const Symmetric<Real, 3> fibres = {{a[0] * a[0], a[1] * a[1], a[2] * a[2], a[0] * a[1], a[0] * a[2], a[1] * a[2]}};
-    const Symmetric<Real, 3> stress = mu / (72.0 * e.reference[6]) * rest.adjugate() + along * fibres;
     std::array<Real, 7> result{};
-    add_edge_forces(stress, e.q, result.data());
-    const Real j = e.q[6] / e.reference[6] - 1.0;
-    result[6] = mu * (j / (1.0 - 2.0 * p[poisson_ratio]) - 1.0);
+    add_edge_forces(neo_hookean::by_edges(e, mu) + along * fibres, e.q, result.data());
+    result[6] = neo_hookean::by_volume(e, mu, p[poisson_ratio]);
     return result;
   }
 };

@@ -1,4 +1,4 @@
-// The shipped plugins of laws and neurons, linked into the test.
+// The shipped plugins of laws and neurons, as they are loaded from their files.
 #pragma once
 
 #include <algorithm>
@@ -8,54 +8,25 @@
 #include <string>
 #include <vector>
 
-#include "law_call.hpp"
+#include <springnet/plugin_host.hpp>
 
-extern "C" {
-extern const springnet_plugin springnet_plugin_entry_spring_linear;
-extern const springnet_plugin springnet_plugin_entry_spring_nonlinear;
-extern const springnet_plugin springnet_plugin_entry_spring_exponential;
-extern const springnet_plugin springnet_plugin_entry_spring_rupturing;
-extern const springnet_plugin springnet_plugin_entry_spring_muscle;
-extern const springnet_plugin springnet_plugin_entry_spring_maxwell;
-extern const springnet_plugin springnet_plugin_entry_spring_standard_linear_solid;
-extern const springnet_plugin springnet_plugin_entry_spring_plastic;
-extern const springnet_plugin springnet_plugin_entry_spring_damaging;
-extern const springnet_plugin springnet_plugin_entry_spring_membrane;
-extern const springnet_plugin springnet_plugin_entry_spring_solid;
-extern const springnet_plugin springnet_plugin_entry_spring_fibre_solid;
-extern const springnet_plugin springnet_plugin_entry_spring_shell;
-extern const springnet_plugin springnet_plugin_entry_viscosity_linear;
-extern const springnet_plugin springnet_plugin_entry_viscosity_relative;
-extern const springnet_plugin springnet_plugin_entry_viscosity_power;
-extern const springnet_plugin springnet_plugin_entry_viscosity_viscous_membrane;
-extern const springnet_plugin springnet_plugin_entry_viscosity_viscous_solid;
-extern const springnet_plugin springnet_plugin_entry_neuron_point_mass;
-extern const springnet_plugin springnet_plugin_entry_neuron_dragged;
-}
+#include "law_call.hpp"
 
 namespace springnet::test {
 
+// But for those that need tables.
 inline const std::vector<const springnet_plugin*>& shipped_plugins() {
-  static const std::vector<const springnet_plugin*> plugins{&springnet_plugin_entry_spring_linear,
-                                                            &springnet_plugin_entry_spring_nonlinear,
-                                                            &springnet_plugin_entry_spring_exponential,
-                                                            &springnet_plugin_entry_spring_rupturing,
-                                                            &springnet_plugin_entry_spring_muscle,
-                                                            &springnet_plugin_entry_spring_maxwell,
-                                                            &springnet_plugin_entry_spring_standard_linear_solid,
-                                                            &springnet_plugin_entry_spring_plastic,
-                                                            &springnet_plugin_entry_spring_damaging,
-                                                            &springnet_plugin_entry_spring_membrane,
-                                                            &springnet_plugin_entry_spring_solid,
-                                                            &springnet_plugin_entry_spring_fibre_solid,
-                                                            &springnet_plugin_entry_spring_shell,
-                                                            &springnet_plugin_entry_viscosity_linear,
-                                                            &springnet_plugin_entry_viscosity_relative,
-                                                            &springnet_plugin_entry_viscosity_power,
-                                                            &springnet_plugin_entry_viscosity_viscous_membrane,
-                                                            &springnet_plugin_entry_viscosity_viscous_solid,
-                                                            &springnet_plugin_entry_neuron_point_mass,
-                                                            &springnet_plugin_entry_neuron_dragged};
+  static const PluginHost host = PluginHost::with_default_search();
+  static const std::vector<const springnet_plugin*> plugins = [] {
+    std::vector<const springnet_plugin*> found;
+    for (const auto& component : host.components()) {
+      const bool is_law =
+          component->kind() == ComponentKind::spring_function || component->kind() == ComponentKind::viscosity_function;
+      if (component->kind() == ComponentKind::integrator || (is_law && component->law().table_count > 0)) continue;
+      if (found.empty() || found.back() != component->plugin) found.push_back(component->plugin);
+    }
+    return found;
+  }();
   return plugins;
 }
 
