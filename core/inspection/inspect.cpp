@@ -129,7 +129,12 @@ Inspection inspect(const Network& network, const PluginHost& plugins, const Insp
   result.loads = network.loads().size();
   result.cuts = network.cuts().size();
   for (const Move& move : network.moves()) result.moved_nodes += move.nodes.size();
-  for (const Element& element : network.elements()) ++result.elements[std::string(name_of(element.invariant))];
+  for (const Element& element : network.elements()) {
+    const Material& material = network.materials()[element.material];
+    ++result.elements[std::string(name_of(element.invariant))];
+    ++result.element_spring_functions[material.spring ? material.spring->id : "none"];
+    ++result.element_viscosity_functions[material.viscosity ? material.viscosity->id : "none"];
+  }
   const StartingNetwork start(network, plugins);
   inspect_nodes(start, result);
   inspect_springs(start, result);

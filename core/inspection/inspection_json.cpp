@@ -143,6 +143,8 @@ std::string to_json(const Inspection& inspection) {
       {"elements", inspection.elements},
       {"spring_functions", inspection.spring_functions},
       {"viscosity_functions", inspection.viscosity_functions},
+      {"element_spring_functions", inspection.element_spring_functions},
+      {"element_viscosity_functions", inspection.element_viscosity_functions},
       {"total_mass_kg", inspection.total_mass},
       {"mass_kg", json_of(inspection.mass)},
       {"length_m", json_of(inspection.length)},

@@ -63,6 +63,14 @@ std::string text_of(const std::optional<Vibration>& slowest, const Scene& scene)
                      ratio(slowest->period / scene.options.time_step, 3), slowest->damping_ratio);
 }
 
+// Of springs, then of elements.
+std::string laws_of(const std::map<std::string, std::size_t>& springs,
+                    const std::map<std::string, std::size_t>& elements) {
+  if (elements.empty()) return text_of(springs);
+  return fmt::format("{}{}of elements: {}", springs.empty() ? "" : text_of(springs), springs.empty() ? "" : "; ",
+                     text_of(elements));
+}
+
 std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection& found) {
   const Vector3 extent = found.upper - found.lower;
   return {
@@ -73,8 +81,8 @@ std::vector<std::vector<std::string>> facts(const Scene& scene, const Inspection
       {"springs",
        fmt::format("{}, of which {} are not at rest length at the start", found.springs, found.springs_under_load)},
       {"elements", text_of(found.elements)},
-      {"spring functions", text_of(found.spring_functions)},
-      {"viscosity functions", text_of(found.viscosity_functions)},
+      {"spring functions", laws_of(found.spring_functions, found.element_spring_functions)},
+      {"viscosity functions", laws_of(found.viscosity_functions, found.element_viscosity_functions)},
       {"connected parts",
        fmt::format("{}, nodes without springs: {}", found.parts.size(), found.nodes_without_springs)},
       {"mass of a node", fmt::format("{}; {:.6g} kg in total", text_of(found.mass, "kg"), found.total_mass)},

@@ -100,6 +100,20 @@ TEST_CASE("an unknown law is a plugin error that names it") {
   }
 }
 
+TEST_CASE("laws of elements are counted, too") {
+  Network network = mixed();
+  const MaterialIndex solid = network.add_material({LawUse{"solid", {{"youngs_modulus", 3.0}, {"poisson_ratio", 0.3}}},
+                                                    LawUse{"viscous_solid", {{"shear_viscosity", 0.5}}}});
+  network.add_element(Invariant::tetrahedron, {0, 1, 2, 4}, solid);
+  network.add_element(Invariant::area, {0, 1, 2}, 0);
+  const Inspection found = inspect(network, *plugins());
+  using Counts = std::map<std::string, std::size_t>;
+  CHECK(found.element_spring_functions == Counts{{"linear", 1}, {"solid", 1}});
+  CHECK(found.element_viscosity_functions == Counts{{"none", 1}, {"viscous_solid", 1}});
+  CHECK(found.spring_functions == Counts{{"linear", 12}, {"nonlinear", 1}, {"none", 1}});
+  CHECK(nlohmann::json::parse(to_json(found))["element_spring_functions"]["solid"] == 1);
+}
+
 TEST_CASE("what was found is told as JSON") {
   const auto json = nlohmann::json::parse(to_json(inspect(mixed(), *plugins())));
   CHECK(json["nodes"] == 11);

@@ -146,6 +146,8 @@ struct Inspection {
   std::map<std::string, std::size_t> viscosity_functions;  // springs by id; "none": undamped springs
   std::map<std::string, std::size_t> neurons;              // nodes by id
   std::map<std::string, std::size_t> elements;             // by the name of their invariant
+  // Elements by id, as those of springs.
+  std::map<std::string, std::size_t> element_spring_functions, element_viscosity_functions;
 
   double total_mass = 0.0;             // kg
   std::optional<Range> mass;           // kg, one node
