@@ -8,8 +8,8 @@
 
 namespace springnet {
 
-// See springnet_host::part_forces, view_elements, view_scalars and balance. Statuses and messages as there; Error(plugin) for ranges
-// and arrays that do not fit. By the calling thread alone.
+// See springnet_host::part_forces, view_elements, view_scalars and balance. Statuses and messages as there;
+// Error(plugin) for ranges and arrays that do not fit. By the calling thread alone.
 springnet_status part_forces(Model& model, const springnet_part_forces& request);
 springnet_status view_elements(Model& model, springnet_element_view& request);
 springnet_status view_scalars(Model& model, springnet_scalar_view& request);
