@@ -56,7 +56,7 @@ class Margin {
   }
   [[nodiscard]] bool is_relative() const noexcept { return law_.relative; }
   // Adds its derivatives by sets, of a member of the group in this row.
-  // growth: of the references of laws over several scalars.
+  // growth: of the references of laws over several scalars, [scalar of the group], then of the direction's components.
   void add_to(const layers::ResolvedSets& all, const layers::Group& group, std::uint32_t row, std::uint32_t member,
               const double* growth = nullptr) const {
     for (const layers::SetsOfGroup::Entry& entry : sets_.entries) {
@@ -66,7 +66,10 @@ class Margin {
         continue;
       const bool is_time = set.kind == layers::ParameterSet::Kind::time;  // asked for in any case
       const bool grows = law_.scalar_count > 0 && set.kind == layers::ParameterSet::Kind::reference;
-      const double factor = grows ? growth[law_.scalar[entry.scalar]] : 1.0;
+      const std::uint32_t n = law_.scalar_count;
+      const double factor = !grows             ? 1.0
+                            : entry.scalar < n ? growth[law_.scalar[entry.scalar]]
+                                               : growth[layers::max_scalars + entry.scalar - n];
       set.values[set.is_one() ? 0 : member] += is_time ? by_time : factor * by_slots_[entry.slot];
     }
   }
@@ -158,7 +161,8 @@ springnet_status of_several(Model& model, std::uint32_t element, double time, co
   if (status != SPRINGNET_OK) return status;
   const Margin& least = margins[margins[1].value < margins[0].value ? 1 : 0];
   const std::span<const std::uint32_t> own = elements.nodes(element);
-  double growth[layers::max_scalars] = {};
+  double growth[layers::max_scalars + 3] = {};
+  for (std::size_t c = 0; c < 3; ++c) growth[layers::max_scalars + c] = -members.direction[c][0];
   for (std::size_t s = 0; s < group.scalars.count; ++s) {
     const layers::ElementScalar& scalar = group.scalars.scalar[s];
     growth[s] = scalar.dimension() * members.reference[s][0];

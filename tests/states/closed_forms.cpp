@@ -159,8 +159,8 @@ TEST_CASE("a relaxation time of a millionth of the step decays, does not ring, a
       Simulation simulation = simulate(held_at(each.length, each.law), method.integrator, h);
       for (int step = 0; step < 5; ++step) {
         simulation.step();
-        // A step leaves two millionths of the way at most.
-        CHECK(std::abs(simulation.internal_states(0).at(0) - state) <= 2e-6 * std::abs(state));
+        // A step leaves some millionths of the way: (1 - 2 g) / g^2 = 4.8 with two stages.
+        CHECK(std::abs(simulation.internal_states(0).at(0) - state) <= 5e-6 * std::abs(state));
         CHECK(std::abs(simulation.tension(0) - tension) <= 40.0 * 0.2 * 1e-5);
       }
     }

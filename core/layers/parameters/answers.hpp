@@ -76,9 +76,10 @@ class LawAnswers {
   springnet_status find_elements(const HeldState& at, springnet_message& message);
   springnet_status find_several(const HeldState& at, springnet_message& message);
   void forces_of_several(const double (*changes)[several_batch], const CornerForces& out) const;
-  // By how much a reference of a law over several scalars grows with its element; else 1.
+  // By how much what an entry is about grows with the element, of laws over several scalars; else 1.
   [[nodiscard]] double growth(const Law& law, const SetsOfGroup::Entry& entry, std::size_t i) const {
     if (law.scalar_count == 0 || sets_->sets()[entry.set].kind != ParameterSet::Kind::reference) return 1.0;
+    if (entry.scalar >= law.scalar_count) return -several_members_.direction[entry.scalar - law.scalar_count][i];
     const std::size_t s = law.scalar[entry.scalar];
     return group_->scalars.scalar[s].dimension() * several_members_.reference[s][i];
   }

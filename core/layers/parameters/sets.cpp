@@ -94,6 +94,9 @@ void ResolvedSets::resolve_law(std::uint32_t number, const Group& group, std::si
       for (std::uint32_t j = 0; j < law.scalar_count; ++j)
         if (group.scalars.scalar[law.scalar[j]].dimension() > 0)
           add(jacobian.reference(j), "its reference values", 0, j);
+      // The direction is a unit vector by the edges, which grow.
+      for (std::uint32_t c = 0; c < 3 && law.reads_direction; ++c)
+        add(jacobian.direction(c), "the direction of the material", 0, law.scalar_count + c);
       break;
     case Kind::input:
       for (std::size_t i = 0; i < law.input_count; ++i)

@@ -33,7 +33,8 @@ class SetsOfGroup {
     // Of its law: those of its forces, one for each of its scalars, then those of its states if they are wanted.
     std::uint32_t slot;
     std::uint32_t signal_column = 0;  // sets of an input: the column with each member's signal
-    // Sets of references, laws over several scalars: which of the law's scalars this is about.
+    // Sets of references, laws over several scalars: which of the law's scalars this is about; beyond, a component of
+    // the direction of the material.
     std::uint32_t scalar = 0;
   };
   // A derivative in the law's Jacobian; or, of the force of a law without one, the number of a parameter.
