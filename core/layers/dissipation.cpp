@@ -72,11 +72,12 @@ double over_states(const Layout& layout, const Law& law, std::size_t group, std:
   return sum;
 }
 
-// Sum over the scalars of a law of an element.
+// Sum over the scalars of an element on which a law exerts forces.
 template <class What>
 double over_scalars(const Law& law, const What& what) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < law.scalar_count; ++i) sum += what(law.scalar[i]);
+  for (std::size_t i = 0; i < law.scalar_count; ++i)
+    if (law.reads[i]) sum += what(law.scalar[i]);
   return sum;
 }
 
@@ -99,7 +100,7 @@ Losses::Several several_losses(const Layout& layout, InstructionSet set, double 
     if (!law || has_energy(law)) continue;  // what derives from an energy dissipates nothing
     for (std::size_t i = 0; i < law.scalar_count; ++i) {
       const std::size_t s = law.scalar[i];
-      if (group.scalars.scalar[s].reference_only) continue;
+      if (!law.reads[i]) continue;
       out.force[k][s] = status == SPRINGNET_OK ? query->answers.force[k][s][0] : std::nan("");
     }
   }

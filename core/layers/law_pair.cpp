@@ -53,11 +53,15 @@ class SeveralCall {
     const auto at = [begin](auto* array) { return array == nullptr ? nullptr : array + begin; };
     for (std::size_t i = 0; i < law_.scalar_count; ++i) {
       const std::size_t s = law_.scalar[i];
-      value_[i] = at(inputs_.value[s]);
-      rate_[i] = law_.reads_rate ? at(inputs_.rate[s]) : nullptr;
       reference_[i] = at(inputs_.reference[s]);
-      force_[i] = out_.several == nullptr ? nullptr : at(out_.several->force[s]);
+      value_[i] = rate_[i] = nullptr;
+      force_[i] = nullptr;
+      if (!law_.reads[i]) continue;
+      value_[i] = at(inputs_.value[s]);
+      if (law_.reads_rate) rate_[i] = at(inputs_.rate[s]);
+      if (out_.several != nullptr) force_[i] = at(out_.several->force[s]);
       for (std::size_t j = 0; out_.several_tangent && j < law_.scalar_count; ++j) {
+        if (!law_.reads[j]) continue;
         const std::size_t from = max_scalars * s + law_.scalar[j];
         double** const row = matrix_.data() + layout_.force(i) * layout_.columns(false);
         row[layout_.value(j)] = at(out_.several->by_value[from]);

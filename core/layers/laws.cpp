@@ -101,6 +101,7 @@ ScalarList join_scalars(Law& spring, Law& viscosity, std::size_t material) {
         known->reference_only = false;
       }
       law->scalar[i] = static_cast<std::uint8_t>(known - begin);
+      law->reads[i] = !scalar.reference_only;
     }
   }
   return list;

@@ -40,6 +40,8 @@ struct Law {
   // Of a law over several scalars: where each of them is in the list of its group.
   std::uint32_t scalar_count = 0;
   std::array<std::uint8_t, max_scalars> scalar{};
+  // [scalar of the law] whether it reads the present value, and answers a force; else the value at rest alone.
+  std::array<bool, max_scalars> reads{};
   bool reads_direction = false;
   std::shared_ptr<const Prepared> prepared;  // null: the law prepares nothing
 

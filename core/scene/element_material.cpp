@@ -40,7 +40,7 @@ struct Reader {
 
   double number(const Table& of, const char* key, const char* unit) const { return of.need(key).number_above_0(unit); }
 
-  // The material's constants, as far as a law has parameters of these names.
+  // The material's constants: Young's modulus, which laws of bodies have to have, the others if the law has them.
   [[nodiscard]] ParameterValues constants(const Component& law) const {
     ParameterValues values{{"youngs_modulus", number(table, "youngs_modulus", "Pa")}};
     if (has_parameter(law, "poisson_ratio")) values["poisson_ratio"] = poisson_ratio();

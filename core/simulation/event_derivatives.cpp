@@ -38,8 +38,10 @@ class Margin {
     pointers_.assign(jacobian.rows() * columns, nullptr);
     double** const row = pointers_.data() + jacobian.margin() * columns;
     for (std::size_t i = 0; i < jacobian.invariants; ++i) {
-      row[jacobian.value(i)] = &by_value[law.scalar_count > 0 ? law.scalar[i] : 0];
-      if (law.reads_rate) row[jacobian.rate(i)] = &by_rates[law.scalar_count > 0 ? law.scalar[i] : 0];
+      if (law.scalar_count > 0 && !law.reads[i]) continue;
+      const std::size_t s = law.scalar_count > 0 ? law.scalar[i] : 0;
+      row[jacobian.value(i)] = &by_value[s];
+      if (law.reads_rate) row[jacobian.rate(i)] = &by_rates[s];
     }
     if (law.can(SPRINGNET_READS_TIME)) row[jacobian.time()] = &by_time;
     for (std::size_t i = 0; i < by_slots_.size(); ++i) {
@@ -169,10 +171,10 @@ springnet_status of_several(Model& model, std::uint32_t element, double time, co
     if (scalar.reference_only) continue;
     for (std::size_t c = 0; c < scalar.corner_count(); ++c) {
       const Vector3 gradient = layers::gradient_of(scalar, geometry->gradient[s], c, 0);
-      answer.add(
-          own[scalar.corner[c]],
-          least.by_value[s] * gradient + least.by_rates[s] * layers::rate_gradient_of(scalar, *geometry, s, c, 0),
-          least.by_rates[s] * gradient);
+      Vector3 by_position = least.by_value[s] * gradient;
+      if (least.by_rates[s] != 0.0)
+        by_position += least.by_rates[s] * layers::rate_gradient_of(scalar, *geometry, s, c, 0);
+      answer.add(own[scalar.corner[c]], by_position, least.by_rates[s] * gradient);
     }
   }
   answer.set_time(least.by_time);

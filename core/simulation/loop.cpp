@@ -16,7 +16,8 @@ class FirstFailure {
  public:
   void add(std::uint64_t part, springnet_status status) noexcept {
     std::uint64_t before = value_.load(std::memory_order_relaxed);
-    const std::uint64_t now = (part << 8) | (static_cast<std::uint64_t>(status) & 0xffu);
+    const auto known = static_cast<std::uint64_t>(status) & 0xffu;
+    const std::uint64_t now = (part << 8) | (known == 0 ? static_cast<std::uint64_t>(SPRINGNET_FAILED) : known);
     while (now < before && !value_.compare_exchange_weak(before, now)) continue;
   }
   [[nodiscard]] bool is_before(std::uint64_t part) const noexcept {

@@ -117,20 +117,18 @@ springnet_status add_springs(Model& model, const At& at, std::uint32_t parts, co
 
 // Of an element whose laws read several scalars.
 springnet_status add_several(Model& model, const At& at, std::uint32_t parts, std::uint32_t element,
-                             const springnet_vectors& force) {
+                             layers::SeveralQuery& query, const springnet_vectors& force) {
   const layers::Layout& layout = model.layout;
   const layers::Group& group = layout.laws().groups[layout.elements().group(element)];
-  const auto query = std::make_unique_for_overwrite<layers::SeveralQuery>();
   const springnet_status status = layers::evaluate_several_element(
-      layout, at.set, at.time, at.nodes, element, layers::SeveralWanted::forces, *query, model.journal.message);
+      layout, at.set, at.time, at.nodes, element, layers::SeveralWanted::forces, query, model.journal.message);
   if (status != SPRINGNET_OK) return status;
   const double* q[2][layers::max_scalars];
-  layers::forces_of(group, query->answers, q);
+  layers::forces_of(group, query.answers, q);
   for (std::size_t k = 0; k < 2; ++k)
     if ((parts & element_parts[k]) == 0) std::fill_n(q[k], layers::max_scalars, nullptr);
   double forces[3][layers::max_corners];
-  layers::kernels_for(at.set).several.forces(group.scalars, query->geometry, 1, q,
-                                             {forces[0], forces[1], forces[2], 1});
+  layers::kernels_for(at.set).several.forces(group.scalars, query.geometry, 1, q, {forces[0], forces[1], forces[2], 1});
   const std::span<const std::uint32_t> nodes = layout.elements().nodes(element);
   for (std::size_t i = 0; i < nodes.size(); ++i) add(force, nodes[i], {forces[0][i], forces[1][i], forces[2][i]});
   return SPRINGNET_OK;
@@ -141,10 +139,12 @@ springnet_status add_elements(Model& model, const At& at, std::uint32_t parts, c
   layers::PairAnswers<1> answers{};
   const layers::PairOutputs wanted = chosen(answers.outputs(false, false), parts, element_parts);
   Gradients gradients;
+  std::unique_ptr<layers::SeveralQuery> query;  // of elements that read several scalars
   for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
     if (!layout.elements().alive(e)) continue;
     if (reads_several(layout.elements().invariant(e))) {
-      if (const springnet_status status = add_several(model, at, parts, e, force); status != SPRINGNET_OK)
+      if (!query) query = std::make_unique_for_overwrite<layers::SeveralQuery>();
+      if (const springnet_status status = add_several(model, at, parts, e, *query, force); status != SPRINGNET_OK)
         return status;
       continue;
     }

@@ -66,10 +66,9 @@ springnet_status view_scalars(Model& model, springnet_scalar_view& view) {
   view.scalar_count = static_cast<std::uint32_t>(group.scalars.count);
   for (std::size_t s = 0; s < group.scalars.count; ++s) {
     const layers::ElementScalar& scalar = group.scalars.scalar[s];
-    springnet_invariant& shown = view.scalars[s];
-    shown = {sizeof shown, kind_of(scalar.measure), {}, 0, 0};
-    if (scalar.reference_only) shown.flags = SPRINGNET_REFERENCE_ONLY;
-    std::copy_n(scalar.corner.begin(), scalar.corner_count(), shown.corners);
+    view.kind[s] = kind_of(scalar.measure);
+    view.reference_only[s] = scalar.reference_only ? 1 : 0;
+    std::copy_n(scalar.corner.begin(), scalar.corner_count(), view.corners[s]);
     view.reference[s] = elements.rest(view.element).reference[s];
     if (scalar.reference_only) continue;
     view.value[s] = query->geometry.value[s][0];
@@ -81,14 +80,13 @@ springnet_status view_scalars(Model& model, springnet_scalar_view& view) {
   }
   for (std::size_t k = 0; k < 2; ++k) {
     const layers::Law& law = *group.laws()[k];
-    const auto is_read = [&](std::size_t s) { return !group.scalars.scalar[s].reference_only; };
     for (std::size_t i = 0; law && i < law.scalar_count; ++i) {
       const std::size_t s = law.scalar[i];
-      if (!is_read(s)) continue;
+      if (!law.reads[i]) continue;
       view.force[k][s] = query->answers.force[k][s][0];
       for (std::size_t j = 0; j < law.scalar_count; ++j) {
         const std::size_t t = law.scalar[j], at = layers::max_scalars * s + t;
-        if (!is_read(t)) continue;
+        if (!law.reads[j]) continue;
         view.by_value[k][s][t] = query->answers.by_value[k][at][0];
         if (law.reads_rate) view.by_rate[k][s][t] = query->answers.by_rate[k][at][0];
       }

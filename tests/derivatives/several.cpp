@@ -52,6 +52,19 @@ std::shared_ptr<const PluginHost> with_own_law() {
   return host;
 }
 
+// What it returns for the second length, which it reads at rest alone, is no force.
+template <int beyond>
+struct Half : sdk::ViscosityFunction {
+  static constexpr const char *id = beyond == 0 ? "half" : "half_and_more", *summary = "one of two lengths is damped";
+  static constexpr sdk::Shape shape = sdk::Shape::triangle;
+  static constexpr sdk::Scalar invariants[] = {sdk::length_of(0, 1), sdk::at_rest(sdk::length_of(0, 2))};
+  static auto force(const auto& e, const auto&) {
+    return std::array{0.5 * e.rate[0] * e.reference[1], 0.0 * e.rate[0] + double{beyond}};
+  }
+};
+constexpr springnet_plugin halves =
+    sdk::PluginEntry<Half<0>, Half<7>>::make("test.halves", "1.0.0", "springnet", "MIT");
+
 struct Case {
   const char* name;
   Invariant shape;
@@ -225,6 +238,53 @@ TEST_CASE("elements of all laws, springs among them: one number for all, the sam
   }
   CHECK(answers[1] == answers[0]);
   CHECK(answers[2] == answers[0]);
+}
+
+TEST_CASE("a scalar that one law reads at rest alone gets no force from it, though the other law reads it") {
+  auto plugins_with = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  plugins_with->add(halves);
+  const std::shared_ptr<const PluginHost> laws = plugins_with;
+  const auto forces = [&](const char* viscosity, std::uint32_t& seen) {
+    const Network net = strip_of(
+        Invariant::triangle,
+        [&](Network& to, std::size_t) {
+          return to.add_material({cases()[3].spring, LawUse{viscosity, {}}});
+        },
+        Values(elements, 1.0));
+    HostAt at(net, laws);
+    const springnet_scalar_view view = at.host.view_scalars(at.evaluation(), 2);
+    for (std::size_t s = 0; s < view.scalar_count; ++s) {
+      CHECK(view.force[0][s] != 0.0);
+      seen += view.force[1][s] != 0.0 ? 1u : 0u;
+    }
+    HostAt::Answer product = at.zero();
+    sdk::Host::ParameterSet set;
+    set.kind = SPRINGNET_BY_REFERENCE;
+    set.of_elements = true;
+    Values growth(elements, 1.0);
+    set.values = growth;
+    at.host.parameter_tangent(at.evaluation(), {&set, 1}, at.arrays(product));
+    Eigen::VectorXd all(2 * product.force.size());
+    all << at.evaluate().force, product.force;
+    return all;
+  };
+  std::uint32_t seen = 0;
+  CHECK(forces("half_and_more", seen) == forces("half", seen));
+  CHECK(seen == 2);  // of each net the first length
+}
+
+TEST_CASE("sets of parameters have as many numbers as there are springs, elements or nodes") {
+  const Parametrised given = corners();
+  HostAt at(given.net(), given.laws);
+  HostAt::Answer tangent = at.zero();
+  Values few(elements - 1, 0.0);
+  sdk::Host::ParameterSet set = given.sets[0].set;
+  set.values = few;
+  CHECK_THROWS_WITH_AS(at.host.parameter_tangent(at.evaluation(), {&set, 1}, at.arrays(tangent)),
+                       doctest::Contains("parameter set 0 has 9 numbers, must have 10"), sdk::Failure);
+  set.kind = SPRINGNET_BY_TIME;
+  CHECK_THROWS_WITH_AS(at.host.parameter_cotangent(at.evaluation(), {&set, 1}, at.arrays(tangent)),
+                       doctest::Contains("must have 1"), sdk::Failure);
 }
 
 TEST_CASE("margins of elements over several scalars, by the state, the time and sets of parameters") {

@@ -68,6 +68,8 @@ TEST_CASE("with its memory an integrator goes on with the same bits, without it 
   refused(memory + "x");
   refused("");
   refused("other@test 1\n" + memory);
+  Simulation stiffer = simulate(net, generalized_alpha(0.8), 0.004);
+  CHECK_THROWS_WITH_AS(stiffer.set_integrator_memory(memory), doctest::Contains("another spectral_radius"), Error);
   Simulation verlet = simulate(net, {"verlet", {}}, 0.004);
   CHECK(verlet.integrator_memory().empty());
   CHECK_THROWS_WITH_AS(verlet.set_integrator_memory(memory), doctest::Contains("takes up no memory"), Error);

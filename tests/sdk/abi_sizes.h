@@ -75,7 +75,7 @@
   check(springnet_event_derivative, by_time, 56)                 \
   check(springnet_part_forces, force, 40)                        \
   check(springnet_element_view, relative, 128)                   \
-  check(springnet_scalar_view, by_rate, 2784)                    \
+  check(springnet_scalar_view, by_rate, 2728)                    \
   check(springnet_balance, angular_momentum, 80)                 \
   check(springnet_loop, user, 40)                                \
   check(springnet_system_rows, low_rank_w, 64)                   \

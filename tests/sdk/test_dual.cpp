@@ -195,3 +195,14 @@ TEST_CASE("where no derivative exists, the documented one is returned") {
   CHECK(pow(variable(0.0), 0.0).derivatives[0] == 0.0);
   CHECK(pow(Dual<1>(0.0), variable(2.0)).derivatives[0] == 0.0);  // 0^y is constant for y > 0
 }
+
+TEST_CASE("second derivatives by nested duals, also of x^n by x and n where n is 0") {
+  using Nested = Dual<1, Dual<1>>;
+  const Nested x = Nested::variable(Dual<1>(2.0), 0);  // by x outside
+  for (const double n : {0.0, 1.0, 2.5}) {
+    const Nested by_both = pow(x, Nested(Dual<1>::variable(n, 0)));  // by n inside
+    CHECK(by_both.derivatives[0].value == doctest::Approx(n * std::pow(2.0, n - 1.0)).epsilon(1e-15));
+    CHECK(by_both.derivatives[0].derivatives[0] ==
+          doctest::Approx(std::pow(2.0, n - 1.0) * (1.0 + n * std::log(2.0))).epsilon(1e-14));
+  }
+}

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "layers/elements/blocks.hpp"
 #include "profile/stage.hpp"
@@ -97,14 +98,14 @@ namespace {
 // Stored by the laws of one element that have an energy, J; nan if one fails.
 double several_energy(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                       std::uint32_t element) {
-  SeveralQuery query;
+  const auto query = std::make_unique_for_overwrite<SeveralQuery>();
   springnet_message message{};
-  if (evaluate_several_element(layout, set, time, nodes, element, SeveralWanted::forces_and_energies, query, message) !=
-      SPRINGNET_OK)
+  if (evaluate_several_element(layout, set, time, nodes, element, SeveralWanted::forces_and_energies, *query,
+                               message) != SPRINGNET_OK)
     return std::numeric_limits<double>::quiet_NaN();
   double sum = 0.0;
   for (std::size_t k = 0; k < 2; ++k)
-    if (group_of(layout, element).laws()[k]->can(SPRINGNET_HAS_ENERGY)) sum += query.answers.energy[k][0];
+    if (group_of(layout, element).laws()[k]->can(SPRINGNET_HAS_ENERGY)) sum += query->answers.energy[k][0];
   return sum;
 }
 
@@ -148,13 +149,13 @@ springnet_status element_margins(const Layout& layout, InstructionSet set, doubl
     const std::uint32_t e = elements[i];
     const std::array<const Law*, 2> laws = group_of(layout, e).laws();
     if (reads_several(layout.elements().invariant(e))) {
-      SeveralQuery query;
+      const auto query = std::make_unique_for_overwrite<SeveralQuery>();
       const springnet_status status =
-          evaluate_several_element(layout, set, time, nodes, e, SeveralWanted::margins, query, message);
+          evaluate_several_element(layout, set, time, nodes, e, SeveralWanted::margins, *query, message);
       if (status != SPRINGNET_OK) return status;
       margins[i] = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < 2; ++k)
-        if (laws[k]->can(SPRINGNET_HAS_RUPTURE)) margins[i] = lesser(margins[i], query.answers.margin[k][0]);
+        if (laws[k]->can(SPRINGNET_HAS_RUPTURE)) margins[i] = lesser(margins[i], query->answers.margin[k][0]);
       continue;
     }
     double force[2], margin[2];
@@ -196,22 +197,24 @@ std::string explain_several(const Layout& layout, InstructionSet set, double tim
     (k == 0 ? alone.viscosity : alone.spring) = {};
     GatheredMembers gathered;
     const SeveralMembers& members = gathered.gather(layout.elements(), 1, [element](std::size_t) { return element; });
-    SeveralQuery query;
-    kernels_for(set).several.geometry(alone.scalars, members.corners, members.reference, nodes, true, query.geometry);
+    const auto query = std::make_unique_for_overwrite<SeveralQuery>();
+    kernels_for(set).several.geometry(alone.scalars, members.corners, members.reference, nodes, true, query->geometry);
     springnet_message message{};
     const springnet_status status =
-        evaluate_several(alone, members, query.geometry, set, time, wanted, query.answers, message);
+        evaluate_several(alone, members, query->geometry, set, time, wanted, query->answers, message);
     LawAnswer answer;
     for (std::size_t i = 0; status == SPRINGNET_OK && i < law.scalar_count; ++i) {
       const std::size_t s = law.scalar[i];
-      answer.force += query.answers.force[k][s][0];
+      if (!law.reads[i]) continue;
+      answer.force += query->answers.force[k][s][0];
       for (std::size_t j = 0; wanted == SeveralWanted::tangent && j < law.scalar_count; ++j) {
-        answer.by_q += query.answers.by_value[k][max_scalars * s + law.scalar[j]][0];
-        if (law.reads_rate) answer.by_rate += query.answers.by_rate[k][max_scalars * s + law.scalar[j]][0];
+        if (!law.reads[j]) continue;
+        answer.by_q += query->answers.by_value[k][max_scalars * s + law.scalar[j]][0];
+        if (law.reads_rate) answer.by_rate += query->answers.by_rate[k][max_scalars * s + law.scalar[j]][0];
       }
     }
     if (wanted == SeveralWanted::forces_and_energies && law.can(SPRINGNET_HAS_ENERGY))
-      answer.energy = query.answers.energy[k][0];
+      answer.energy = query->answers.energy[k][0];
     std::string what = wrong_answer(*law.component, status, answer, message);
     if (!what.empty()) return what;
   }

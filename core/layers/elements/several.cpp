@@ -136,10 +136,8 @@ void forces_of(const Group& group, const SeveralAnswers& answers, const double* 
     std::fill_n(out[k], max_scalars, nullptr);
     const Law& law = *group.laws()[k];
     if (!law) continue;
-    for (std::size_t i = 0; i < law.scalar_count; ++i) {
-      const std::size_t s = law.scalar[i];
-      if (!group.scalars.scalar[s].reference_only) out[k][s] = answers.force[k][s];
-    }
+    for (std::size_t i = 0; i < law.scalar_count; ++i)
+      if (law.reads[i]) out[k][law.scalar[i]] = answers.force[k][law.scalar[i]];
   }
 }
 
@@ -151,8 +149,7 @@ bool tangent_of(const Kernels& kernels, const Group& group, const SeveralAnswers
   for (std::size_t k = 0; k < 2; ++k) {
     const Law& law = *group.laws()[k];
     has_rates[k] = law.reads_rate;
-    for (std::size_t i = 0; law && i < law.scalar_count; ++i)
-      reads[k][law.scalar[i]] = !list.scalar[law.scalar[i]].reference_only;
+    for (std::size_t i = 0; law && i < law.scalar_count; ++i) reads[k][law.scalar[i]] = law.reads[i];
   }
   out.has_rates = group.reads_rate();
   bool finite = true;

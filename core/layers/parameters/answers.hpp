@@ -92,7 +92,7 @@ class LawAnswers {
   const SetsOfGroup* wanted_ = nullptr;
   const ResolvedSets* sets_ = nullptr;
   std::uint32_t members_[max_segment], rows_[max_segment];
-  double weight_[2][max_segment];     // axial or of the element, along the relative velocity
+  double weight_[2][max_segment]{};   // axial or of the element, along the relative velocity
   std::vector<double> derivatives_;   // [slot of either law][max_segment]
   std::vector<double*> jacobian_[2];  // of each law; null where not wanted
   double* by_parameters_[2][max_parameters];
@@ -132,7 +132,7 @@ void LawAnswers::for_each(const Use& use) const {
     const double factor = growth(law, entry, i);
     for (std::size_t j = 0; j < law.scalar_count; ++j) {
       const std::size_t s = law.scalar[j];
-      if (group_->scalars.scalar[s].reference_only) continue;
+      if (!law.reads[j]) continue;
       use(Answer{entry.set, members_[i], i, s, factor * derivative[j * max_segment + i], several_weight_[s][i], false});
     }
   });

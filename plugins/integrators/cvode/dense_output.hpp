@@ -19,8 +19,6 @@ class DenseOutput {
 
   // The first `count` numbers of y at a time. False: no step of those has it.
   [[nodiscard]] bool evaluate(double time, std::size_t count, double* y) const;
-  // How many internal steps are kept.
-  [[nodiscard]] std::size_t size() const { return steps_.size(); }
 
  private:
   struct Step {

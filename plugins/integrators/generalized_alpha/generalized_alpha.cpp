@@ -156,17 +156,24 @@ class GeneralizedAlpha : public Integrator {
   void forget() noexcept { kept_length_ = last_end_ = last_start_ = 0.0; }
   void save(const ByteSink& sink) const {
     sink.put(kept_revision_ == host_.network().revision ? kept_length_ : 0.0);
-    sink.put(extrapolates_);
+    sink.put(owner());
+    sink.put(static_cast<std::uint8_t>(extrapolates_ ? 1 : 0));
     sink.put_all(kept_.values());
   }
   void restore(std::span<const std::byte> bytes) {
     forget();
     ByteSource source(bytes);
     double length = 0.0;
+    Owner saved_by{};
+    std::uint8_t extrapolates = 0;
     source.get(length);
-    source.get(extrapolates_);
+    source.get(saved_by);
+    if (saved_by != owner()) throw Failure("the memory is that of another network or another spectral_radius");
+    source.get(extrapolates);
+    if (!(length >= 0.0 && std::isfinite(length)) || extrapolates > 1) throw Failure("the memory is damaged");
     source.get_all(kept_.values());
-    if (!source.is_empty()) throw Failure("the memory is that of a larger network");
+    if (!source.is_empty()) throw Failure("the memory is longer than this network's");
+    extrapolates_ = extrapolates != 0;
     kept_length_ = length;
     kept_revision_ = host_.network().revision;
   }
@@ -179,6 +186,13 @@ class GeneralizedAlpha : public Integrator {
   }
 
  private:
+  // What memory belongs to.
+  using Owner = std::array<double, 4>;
+  [[nodiscard]] Owner owner() const {
+    const springnet_network& network = host_.network();
+    return {static_cast<double>(network.node_count), static_cast<double>(network.spring_number_count),
+            static_cast<double>(network.element_number_count), rule_.alpha_f};
+  }
   // Solves the step for new_, and writes the state at its end to next_. False if a smaller step is needed.
   bool settle(double from, double to, springnet_step_report& report) {
     h_ = to - from;
@@ -277,7 +291,7 @@ class GeneralizedAlpha : public Integrator {
       if (iteration == 0) first = size.residual;
       if (size.residual > 1e3 * first || (iteration >= patience && size.residual > 0.5 * first))
         return fail("Newton's method does not converge");
-      if (settled || out_of_time_) {
+      if (settled || (out_of_time_ && iteration > 0)) {
         // What constraints ask for needs no system.
         for (std::size_t i = 0; i < new_.size(); ++i) new_[i] += difference_[i] - tangential_[i];
         end_state();

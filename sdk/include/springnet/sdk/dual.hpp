@@ -336,7 +336,7 @@ template <std::size_t N, class T>
 }
 template <std::size_t N, class T>
 [[nodiscard]] SPRINGNET_INLINE Dual<N, T> pow(const Dual<N, T>& x, const Dual<N, T>& exponent) {
-  const T by_x = exponent.value == 0.0 ? T(0.0) : exponent.value * pow(x.value, exponent.value - 1.0);
+  const T by_x = detail::is_nothing(exponent.value) ? T(0.0) : exponent.value * pow(x.value, exponent.value - 1.0);
   Dual<N, T> result = detail::chain_steep(x, pow(x.value, exponent.value), by_x);
   detail::unrolled<N>([&](auto i) {
     // d/dy x^y = x^y log x, which tends to 0 with x^y.

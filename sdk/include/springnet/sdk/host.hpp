@@ -148,7 +148,7 @@ class Host {
   // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights; arrays and kinds as above.
   void jacobian_transposed_times(const double* weights, double* by_position, double* by_velocity,
                                  std::uint32_t kind = 0) const {
-    need(SPRINGNET_HAS_FIELD(springnet_host, table_, jacobian_transposed_times), "jacobian_transposed_times");
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, jacobian_transposed_times), "jacobian_transposed_times");
     auto request = sized<springnet_transposed_product>();
     request.kind = kind;
     request.weights = weights;
@@ -203,21 +203,21 @@ class Host {
   // out = d(out)/d(values) values, summed over the sets.
   void parameter_tangent(const springnet_evaluation& at, std::span<const ParameterSet> sets,
                          const ParameterArrays& out) const {
-    need(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_tangent), "parameter_tangent");
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_tangent), "parameter_tangent");
     parameter_product(table_->parameter_tangent, at, sets, out);
   }
   // values += (d(weighted)/d(values))^T weights; the weights are only read.
   void parameter_cotangent(const springnet_evaluation& at, std::span<const ParameterSet> sets,
                            const ParameterArrays& weights) const {
-    need(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_cotangent), "parameter_cotangent");
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_cotangent), "parameter_cotangent");
     parameter_product(table_->parameter_cotangent, at, sets, weights);
   }
   // Of the value of an event: of a gap or of a margin of rupture. Arrays have 3 node_count numbers; null: not wanted.
   // Adds derivatives by parameters to the values of sets; returns that by time.
   double event_derivative(const springnet_evaluation& at, std::uint32_t event, double* by_position, double* by_velocity,
                           std::span<const ParameterSet> sets = {}) const {
-    need(SPRINGNET_HAS_FIELD(springnet_host, table_, event_derivative), "event_derivative");
-    const Sets list(sets);
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, event_derivative), "event_derivative");
+    const Sets list(*this, sets);
     auto request = sized<springnet_event_derivative>();
     request.event = event;
     request.at = &at;
@@ -516,12 +516,20 @@ class Host {
 
  private:
   // A function that came with ABI 2.1.
-  void need(bool has, const char* function) const {
-    if (!has) throw Failure(std::string(function) + " needs a host of ABI 2.1 or newer");
+  // How many numbers a set has.
+  [[nodiscard]] std::uint64_t size_of(const ParameterSet& set) const {
+    const springnet_network& all = network();
+    if (set.kind == SPRINGNET_BY_INPUT || set.kind == SPRINGNET_BY_TIME) return 1;
+    if (set.kind == SPRINGNET_BY_MASS || set.kind == SPRINGNET_BY_NEURON_PARAMETER) return all.node_count;
+    return set.of_elements ? all.element_number_count : all.spring_number_count;
   }
   struct Sets {
-    explicit Sets(std::span<const ParameterSet> sets) {
+    Sets(const Host& host, std::span<const ParameterSet> sets) {
       for (const ParameterSet& each : sets) {
+        if (each.values.size() != host.size_of(each))
+          throw Failure("parameter set " + std::to_string(values.size()) + " has " +
+                        std::to_string(each.values.size()) + " numbers, must have " +
+                        std::to_string(host.size_of(each)));
         auto set = sized<springnet_parameter_set>();
         set.kind = each.kind;
         set.of_elements = each.of_elements ? 1 : 0;
@@ -539,7 +547,7 @@ class Host {
   void parameter_product(springnet_status (*function)(void*, const springnet_parameter_product*),
                          const springnet_evaluation& at, std::span<const ParameterSet> sets,
                          const ParameterArrays& arrays) const {
-    const Sets list(sets);
+    const Sets list(*this, sets);
     auto request = sized<springnet_parameter_product>();
     request.set_count = static_cast<std::uint32_t>(list.pointers.size());
     request.at = &at;

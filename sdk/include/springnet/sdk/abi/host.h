@@ -364,12 +364,14 @@ typedef struct springnet_element_view {
  * that the former does not read. One that is read at rest alone has a value, a rate, gradients and forces of 0. */
 typedef struct springnet_scalar_view {
   uint32_t struct_size;
-  uint32_t element;                  /* its number in the scene; SPRINGNET_FAILED for one with a single scalar */
-  const springnet_evaluation* at;    /* its state; no outputs */
-  uint32_t node_count, scalar_count; /* out; 0: the element was removed */
-  uint32_t nodes[4];                 /* out: engine's numbers */
-  springnet_invariant scalars[SPRINGNET_MOST_INVARIANTS]; /* out: kind and corners */
-  double value[SPRINGNET_MOST_INVARIANTS];                /* out: q_i; m, rad, m^2 or m^3 */
+  uint32_t element;                         /* its number in the scene; SPRINGNET_FAILED for one with a single scalar */
+  const springnet_evaluation* at;           /* its state; no outputs */
+  uint32_t node_count, scalar_count;        /* out; 0: the element was removed */
+  uint32_t nodes[4];                        /* out: engine's numbers */
+  uint32_t kind[SPRINGNET_MOST_INVARIANTS]; /* out: as springnet_invariant::kind */
+  uint32_t corners[SPRINGNET_MOST_INVARIANTS][4];     /* out: which of `nodes`, in the order of the kind */
+  uint32_t reference_only[SPRINGNET_MOST_INVARIANTS]; /* out: 1: both laws read it at rest alone */
+  double value[SPRINGNET_MOST_INVARIANTS];            /* out: q_i; m, rad, m^2 or m^3 */
   double rate[SPRINGNET_MOST_INVARIANTS];
   double reference[SPRINGNET_MOST_INVARIANTS];      /* out: at rest */
   double gradient[SPRINGNET_MOST_INVARIANTS][4][3]; /* out: dq_i/dp of each node */
