@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <span>
 #include <string>
 
 #include <springnet/sdk/law.hpp>
@@ -238,7 +239,7 @@ TEST_CASE("what is not there is refused by name") {
   CHECK(refused({SPRINGNET_BY_SPRING_PARAMETER, values, "stiffness", "nonlinear"}) ==
         "springnet_host::parameter_tangent: no spring has a parameter 'stiffness' of 'nonlinear'; the network has "
         "linear.stiffness");
-  CHECK(refused({SPRINGNET_BY_INPUT, values}) ==
+  CHECK(refused({SPRINGNET_BY_INPUT, std::span(values).first(1)}) ==
         "springnet_host::parameter_tangent: input 0 of a parameter set does not exist: the network has 0");
   CHECK(refused({99, values}) ==
         "springnet_host::parameter_tangent: the kind of parameter set 0 is 99, must be 1 to 7");

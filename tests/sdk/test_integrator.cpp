@@ -33,6 +33,7 @@ struct FakeHost {
   FakeHost() {
     net.struct_size = sizeof net;
     net.node_count = 7;
+    net.element_number_count = 2;
     state.struct_size = sizeof state;
     std::strcpy(text.text, "said the host");
     table.struct_size = sizeof table;
@@ -305,7 +306,7 @@ TEST_CASE("an integrator reaches every function of the host") {
     h.jacobian_transposed_times(&two, &out, &second, SPRINGNET_TRUE_FRICTION);
     CHECK(out == 4.0);
     CHECK(second == 6.0);
-    std::vector<double> masses{7.0}, stiffnesses{8.0};
+    std::vector<double> masses(7, 7.0), stiffnesses(2, 8.0);
     const Host::ParameterSet sets[] = {{SPRINGNET_BY_MASS, masses},
                                        {SPRINGNET_BY_SPRING_PARAMETER, stiffnesses, "stiffness", nullptr, true}};
     h.parameter_tangent(at, sets, {&out, &second});
