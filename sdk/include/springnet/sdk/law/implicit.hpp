@@ -178,6 +178,8 @@ class ImplicitStage {
     confine(at);
     double size = norm(i, at, base);
     double low = std::numeric_limits<double>::quiet_NaN(), high = low;  // defect above 0 at low, below at high
+    const double first_size = size;
+    bool is_between = false;  // two neighbouring numbers, on both sides of the solution
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
       const Values change = correction(i, at, base);
       double share = 1.0;
@@ -194,14 +196,21 @@ class ImplicitStage {
         const double scale = std::abs(trial[j]) > std::abs(at[j]) ? std::abs(trial[j]) : std::abs(at[j]);
         moves = moves || !(std::abs(change[j]) <= settled * scale + rounding_of(j));
       }
+      // Newton's correction is rounding; after it a kink may be passed, with another slope.
+      const bool settles = !moves;
       if constexpr (S == 1) {
         // A kink may throw Newton's method from side to side: keep the two nearest, and halve between them.
         const double defect = defect_of(i, at, base)[0];
         (defect > 0.0 ? low : high) = at[0];
-        if (moves && !(trial_size < size) && low == low && high == high) {
-          const double middle = low + 0.5 * (high - low);
-          moves = middle != low && middle != high;
+        if (moves && !(trial_size < size)) {
+          // Where only one side is known, the whole step may end on the other.
+          const bool both = low == low && high == high;
+          const double middle = both ? low + 0.5 * (high - low) : at[0] + change[0];
+          moves = !both || (middle != low && middle != high);
+          // Next to a kink the slope may be that of the wrong side, and what is left of the defect more than rounding.
+          is_between = !moves;
           trial[0] = middle;
+          confine(trial);
           trial_size = norm(i, trial, base);
         }
       }
@@ -215,7 +224,8 @@ class ImplicitStage {
           if (!std::isfinite(at[j])) return false;
           next[j][i] = at[j];
         }
-        return is_solution(i, at, base);
+        // At a pole of the rate the defect changes its sign, too, but is greater than at the start.
+        return settles || (is_between && size <= first_size) || is_solution(i, at, base);
       }
       if (!improves) break;
     }
