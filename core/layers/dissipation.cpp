@@ -12,7 +12,8 @@ namespace {
 
 // An energy that is a function of what the law's force acts along, with its derivatives.
 bool has_energy(const Law& law) {
-  return law.can(SPRINGNET_HAS_ENERGY) && law.can(SPRINGNET_HAS_DERIVATIVES) && !law.relative;
+  const std::uint64_t derivatives = law.scalar_count > 0 ? SPRINGNET_HAS_ALL_DERIVATIVES : SPRINGNET_HAS_DERIVATIVES;
+  return law.can(SPRINGNET_HAS_ENERGY) && law.can(derivatives) && !law.relative;
 }
 
 // Of a spring function without an energy, and of a law that has one without derivatives, nobody knows what of its power
@@ -86,9 +87,16 @@ Losses::Several several_losses(const Layout& layout, InstructionSet set, double 
                                std::uint32_t element) {
   const Group& group = layout.laws().groups[layout.elements().group(element)];
   const auto query = std::make_unique_for_overwrite<SeveralQuery>();
+  const auto gradients = std::make_unique_for_overwrite<SeveralEnergyGradients>();
   springnet_message message{};
-  const springnet_status status =
+  springnet_status status =
       evaluate_several_element(layout, set, time, nodes, element, SeveralWanted::forces, *query, message);
+  if (status == SPRINGNET_OK) {
+    GatheredMembers gathered;
+    status = several_energy_gradients(group,
+                                      gathered.gather(layout.elements(), 1, [element](std::size_t) { return element; }),
+                                      query->geometry, set, time, *gradients, message);
+  }
   Losses::Several out{};
   for (std::size_t s = 0; s < group.scalars.count; ++s) {
     if (group.scalars.scalar[s].reference_only) continue;
@@ -97,11 +105,13 @@ Losses::Several several_losses(const Layout& layout, InstructionSet set, double 
   }
   for (std::size_t k = 0; k < 2; ++k) {
     const Law& law = *group.laws()[k];
-    if (!law || has_energy(law)) continue;  // what derives from an energy dissipates nothing
+    if (!law) continue;
     for (std::size_t i = 0; i < law.scalar_count; ++i) {
       const std::size_t s = law.scalar[i];
       if (!law.reads[i]) continue;
-      out.force[k][s] = status == SPRINGNET_OK ? query->answers.force[k][s][0] : std::nan("");
+      out.force[k][s] = status != SPRINGNET_OK ? std::nan("")
+                        : has_energy(law)      ? query->answers.force[k][s][0] - gradients->value[k][s][0]
+                                               : query->answers.force[k][s][0];
     }
   }
   return out;

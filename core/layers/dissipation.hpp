@@ -18,7 +18,7 @@ struct Losses {
   // energy (nan: the law failed), and the rate at which it does work, q' or |v|.
   std::array<std::vector<double>, 2> force, rate;
   std::vector<double> q;  // [member]
-  // Of elements whose laws read several scalars, in place of these: Q_i of laws without an energy, q_i and q_i'.
+  // Of elements whose laws read several scalars, in place of these: Q_i - dE/dq_i, q_i and q_i'.
   struct Several {
     std::array<double, max_scalars> force[2], rate, q;
   };

@@ -11,6 +11,7 @@
 #include <springnet/error.hpp>
 
 #include "layers/kernels.hpp"
+#include "layers/law_fit.hpp"
 #include "network/corners.hpp"
 #include "plugin_host/call.hpp"
 #include "plugin_host/message.hpp"
@@ -48,7 +49,6 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   if (implementation.invariant == SPRINGNET_SEVERAL) {
     law.scalar_count = implementation.invariant_count;
     law.reads_direction = implementation.reads_direction != 0;
-    if (implementation.state_count > 0) refuse("has internal states and reads several invariants");
   }
   law.reads_rate = !law.relative && (description.capabilities & SPRINGNET_READS_RATE) != 0;
   law.parameter_count = description.parameter_count;
@@ -107,108 +107,11 @@ ScalarList join_scalars(Law& spring, Law& viscosity, std::size_t material) {
   return list;
 }
 
-// For messages.
-std::string_view reading(std::uint32_t invariant) {
-  switch (invariant) {
-    case SPRINGNET_RELATIVE_SPEED:
-      return "the relative speed of two nodes";
-    case SPRINGNET_ANGLE:
-      return "an angle";
-    case SPRINGNET_AREA:
-      return "an area";
-    case SPRINGNET_VOLUME:
-      return "a volume";
-    case SPRINGNET_ENCLOSED_VOLUME:
-      return "an enclosed volume";
-    case SPRINGNET_SEVERAL:
-      return "several scalars of an element";
-    default:
-      return "a length";
-  }
-}
-
-// The elements that a law over several scalars is for.
-Invariant shape_of(const Law& law) {
-  switch (law.component->law().shape) {
-    case SPRINGNET_CHAIN:
-      return Invariant::chain;
-    case SPRINGNET_TRIANGLE:
-      return Invariant::triangle;
-    case SPRINGNET_HINGE:
-      return Invariant::hinge;
-    default:
-      return Invariant::tetrahedron;
-  }
-}
-
-// A law of a length is a formula in one scalar and its rate; its author says whether it may be used on any invariant.
-bool fits(const Law& law, Invariant invariant) {
-  if (reads_several(invariant) || law.scalar_count > 0) return law.scalar_count > 0 && shape_of(law) == invariant;
-  switch (law.invariant) {
-    case SPRINGNET_LENGTH:
-      return law.can(SPRINGNET_FITS_ELEMENTS);
-    case SPRINGNET_ANGLE:
-      return invariant == Invariant::angle || invariant == Invariant::dihedral;
-    case SPRINGNET_AREA:
-      return invariant == Invariant::area;
-    case SPRINGNET_VOLUME:
-      return invariant == Invariant::volume || invariant == Invariant::enclosed_volume;
-    case SPRINGNET_ENCLOSED_VOLUME:
-      return invariant == Invariant::enclosed_volume;
-    default:
-      return false;
-  }
-}
-
-void check_use(const Law& law, std::size_t spring) {
-  if (!law || law.invariant == SPRINGNET_LENGTH || law.invariant == SPRINGNET_RELATIVE_SPEED) return;
-  throw Error(ErrorKind::input,
-              fmt::format("spring {}: {} '{}' reads {}; use a law on the length or the relative speed of two nodes",
-                          spring, name_of(law.component->kind()), law.component->id(), reading(law.invariant)));
-}
-// Whether the nodes at rest are a body of their shape: laws divide by its size.
-template <class Refuse>
-void check_shape(const Element& element, const Refuse& refuse) {
-  double longest = 0.0;
-  for (const Vector3& a : element.rest)
-    for (const Vector3& b : element.rest) longest = std::max(longest, (a - b).norm());
-  constexpr double least = 1e-10;  // of the size of a regular one: below it rounding decides
-  const auto flat = [&](double size, double dimension) {
-    return !(std::abs(size) > least * std::pow(longest, dimension));
-  };
-  const auto area = [&](std::size_t a, std::size_t b, std::size_t c) {
-    return 0.5 * (element.rest[b] - element.rest[a]).cross(element.rest[c] - element.rest[a]).norm();
-  };
-  if (element.invariant == Invariant::tetrahedron && flat(element.reference, 3.0))
-    refuse("needs a volume at rest, and the four nodes lie in a plane; move one of them, or leave the element out");
-  if (element.invariant == Invariant::tetrahedron && element.reference < 0.0)
-    refuse("needs a volume above 0 at rest; exchange two of its nodes");
-  if (element.invariant == Invariant::triangle && flat(element.reference, 2.0))
-    refuse("needs an area at rest, and the three nodes lie on a line; move one of them, or leave the element out");
-  if (element.invariant == Invariant::hinge && (flat(area(0, 1, 2), 2.0) || flat(area(0, 1, 3), 2.0)))
-    refuse("needs two triangles at rest, and one has no area; move a node, or leave the element out");
-}
-void check_use(const Law& law, const Element& own, std::size_t element) {
-  if (!law) return;
-  const Invariant invariant = own.invariant;
-  const auto refuse = [&](std::string_view what) {
-    throw Error(ErrorKind::input, fmt::format("element {} ({}): {} '{}' {}", element, name_of(invariant),
-                                              name_of(law.component->kind()), law.component->id(), what));
-  };
-  if (law.scalar_count > 0 && shape_of(law) != invariant)
-    refuse(fmt::format("is for elements of {}; give it those, or use another law", name_of(shape_of(law))));
-  if (law.scalar_count == 0 && reads_several(invariant))
-    refuse(fmt::format("reads {}; use a law over several scalars of a {}, or elements of {}", reading(law.invariant),
-                       name_of(invariant), name_of(value_invariant(invariant))));
-  if (law.reads_direction && own.direction == Vector3::Zero())
-    refuse("reads a direction of the material; give the element one");
-  if (law.scalar_count > 0) return check_shape(own, refuse);
-  if (!fits(law, invariant))
-    refuse(fmt::format("reads {}; use a law on the length that declares that it fits elements, or one made for this",
-                       reading(law.invariant)));
-  if (law.can(SPRINGNET_DIVIDES_BY_REFERENCE) && !(own.reference > 0.0))
-    refuse(fmt::format("divides by the reference value, which is {} here; give one above 0, or use another law",
-                       own.reference));
+// what: see misfit(); whose(): "spring 3".
+template <class Whose>
+void check_fit(const Component& law, const std::string& what, const Whose& whose) {
+  if (!what.empty())
+    throw Error(ErrorKind::input, fmt::format("{}: {} '{}' {}", whose(), name_of(law.kind()), law.id(), what));
 }
 
 // Looks at the rows of springs, of which there are few in a regular net, and for the spring only when one is wrong.
@@ -418,8 +321,8 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   compiled.group = groups_of(springs.materials(), materials);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const Group& group = compiled.groups[compiled.group[s]];
-    check_use(group.spring, s);
-    check_use(group.viscosity, s);
+    for (const Law* const law : group.laws())
+      if (*law) check_fit(*law->component, misfit(*law->component), [&] { return fmt::format("spring {}", s); });
     if (compiled.group.is_uniform()) break;  // the others have the same laws
   }
   const InputSets inputs(network, plugins);
@@ -437,8 +340,10 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   compiled.element_group = groups_of(element_materials, materials);
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const Group& group = compiled.groups[compiled.element_group[e]];
-    check_use(group.spring, elements[e], e);
-    check_use(group.viscosity, elements[e], e);
+    for (const Law* const law : group.laws())
+      if (*law)
+        check_fit(*law->component, misfit(*law->component, elements[e]),
+                  [&] { return fmt::format("element {} ({})", e, name_of(elements[e].invariant)); });
   }
   // The references of several scalars are with the elements, so that these share rows.
   compiled.element_row = rows.of(

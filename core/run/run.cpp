@@ -258,6 +258,7 @@ RunSummary describe(const Scene& scene, const Simulation& simulation, const Plug
   }
   summary.nodes = simulation.node_count();
   summary.springs = simulation.spring_count();
+  summary.elements = simulation.element_count();
   return summary;
 }
 
@@ -308,6 +309,7 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (timeline) add(timeline->totals(), summary);
   if (pace) summary.pace = pace->report();
   summary.springs_left = simulation.live_spring_count();
+  for (ElementIndex e = 0; e < summary.elements; ++e) summary.elements_left += simulation.element_alive(e) ? 1 : 0;
   summary.steps = simulation.steps();
   summary.sweeps = simulation.sweeps();
   summary.simulated = simulation.time();

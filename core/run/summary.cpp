@@ -80,6 +80,8 @@ std::string to_json(const RunSummary& summary) {
       {"nodes", summary.nodes},
       {"springs", summary.springs},
       {"springs_left", summary.springs_left},
+      {"elements", summary.elements},
+      {"elements_left", summary.elements_left},
       {"integrator", json_of_integrator(summary)},
       {"time_step_s", summary.time_step},
       {"duration_s", summary.duration},

@@ -92,7 +92,7 @@ struct BodyReader {
       if (lattice.diagonals != Diagonals::none)
         mesh.need("diagonals").fail("has no meaning without springs; remove it");
       mesh.value().at_this_place([&] { add_mesh_body(name, cells(), {}, prototype, masses, {}, network, notes); });
-      add_body_elements(body, *elements, cells(), scene);
+      add_body_elements(body, *elements, cells(), plugins, scene);
       return lattice;
     }
     const std::vector<MaterialIndex> materials = read_materials(body, cells, edges, plugins, files, network, notes);
@@ -127,7 +127,7 @@ struct BodyReader {
     if (const auto elements = read_element_material(body, plugins, files, network)) {
       table.value().at_this_place([&] { add_mesh_body(name, mesh, {}, prototype, masses, {}, network, notes); });
       files.tell("adding elements", mesh.cell_count());
-      add_body_elements(body, *elements, mesh, scene);
+      add_body_elements(body, *elements, mesh, plugins, scene);
       return std::move(read.mesh);
     }
     const std::vector<MaterialIndex> materials = read_materials(body, cells, springs, plugins, files, network, notes);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "layers/law_fit.hpp"
 #include "layers/prepared.hpp"
 #include "scene/law_tables.hpp"
 
@@ -101,13 +102,43 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
   return use;
 }
 
-Material read_material(const Table& table, const PluginHost& plugins, const Files& files) {
+LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
+                const Files& files, LawIsFor purpose) {
+  const Table table = law.open_table(schema);
+  LawUse use = read_component(table, "type", kind, plugins, files);
+  if (purpose == LawIsFor::springs) {
+    const std::string wrong = layers::misfit(*plugins.require(kind, use.id));
+    if (!wrong.empty()) table.need("type").fail(fmt::format("'{}' {}", use.id, wrong));
+  }
+  return use;
+}
+
+Material read_material(const Table& table, const PluginHost& plugins, const Files& files, LawIsFor purpose) {
   const auto read = [&](std::string_view key, ComponentKind kind) -> std::optional<LawUse> {
     const std::optional<Value> value = table.find(key);
     if (!value) return std::nullopt;
-    return read_component(value->open_table(fmt::format("{}.{}", table.schema(), key)), "type", kind, plugins, files);
+    return read_law(*value, fmt::format("{}.{}", table.schema(), key), kind, plugins, files, purpose);
   };
   return {read("spring", ComponentKind::spring_function), read("viscosity", ComponentKind::viscosity_function)};
+}
+
+ElementCheck::ElementCheck(const Material& material, const PluginHost& plugins) {
+  if (material.spring) laws_.push_back(plugins.require(ComponentKind::spring_function, material.spring->id));
+  if (material.viscosity) laws_.push_back(plugins.require(ComponentKind::viscosity_function, material.viscosity->id));
+}
+
+void ElementCheck::operator()(const Value& place, const Network& network, ElementIndex element) const {
+  const Element& own = network.elements()[element];
+  for (const std::shared_ptr<const Component>& law : laws_) {
+    const std::string wrong = layers::misfit(*law, own);
+    if (!wrong.empty())
+      place.fail(fmt::format("element {} ({}): {} '{}' {}", element, name_of(own.invariant), name_of(law->kind()),
+                             law->id(), wrong));
+  }
+}
+
+bool ElementCheck::reads_direction() const {
+  return std::any_of(laws_.begin(), laws_.end(), [](const auto& law) { return law->law().reads_direction != 0; });
 }
 
 }  // namespace springnet::scene

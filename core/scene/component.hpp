@@ -1,8 +1,11 @@
 // Uses of components in a scene: { type = "linear", stiffness = 3.0 }, checked against the plugin's own description.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
@@ -23,7 +26,24 @@ namespace springnet::scene {
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});
 
+// A law under the key of a table, for springs, or for elements that are checked when they are known (check_elements).
+enum class LawIsFor : std::uint8_t { springs, elements };
+[[nodiscard]] LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
+                              const Files& files, LawIsFor purpose);
 // The functions under the keys `spring` and `viscosity` of a table; both are optional.
-[[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins, const Files& files);
+[[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins, const Files& files,
+                                     LawIsFor purpose);
+
+// Whether the laws of a material fit elements.
+class ElementCheck {
+ public:
+  ElementCheck(const Material& material, const PluginHost& plugins);
+  // Fails at this place if a law cannot be used on the element.
+  void operator()(const Value& place, const Network& network, ElementIndex element) const;
+  [[nodiscard]] bool reads_direction() const;
+
+ private:
+  std::vector<std::shared_ptr<const Component>> laws_;
+};
 
 }  // namespace springnet::scene

@@ -1,5 +1,6 @@
 // Bodies of elements: [body.material] with a law over several scalars, such as `solid` or `membrane`.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -40,10 +41,14 @@ struct Reader {
 
   double number(const Table& of, const char* key, const char* unit) const { return of.need(key).number_above_0(unit); }
 
-  // The material's constants: Young's modulus, which laws of bodies have to have, the others if the law has them.
+  // The material's constants that the law has.
   [[nodiscard]] ParameterValues constants(const Component& law) const {
-    ParameterValues values{{"youngs_modulus", number(table, "youngs_modulus", "Pa")}};
+    ParameterValues values;
+    if (has_parameter(law, "youngs_modulus")) values["youngs_modulus"] = number(table, "youngs_modulus", "Pa");
     if (has_parameter(law, "poisson_ratio")) values["poisson_ratio"] = poisson_ratio();
+    for (const char* key : {"youngs_modulus", "poisson_ratio"})
+      if (!has_parameter(law, key) && table.has(key) && !table.has("damping_time"))
+        table.need(key).fail(fmt::format("has no meaning for '{}', which has no such parameter; remove it", law.id()));
     if (has_parameter(law, "thickness")) values["thickness"] = number(body, "thickness", "m");
     return values;
   }
@@ -67,10 +72,13 @@ struct Reader {
     const double damping_time = time ? time->number_from_0("s") : 0.0;
     if (own && time)
       time->fail("cannot be combined with 'viscosity', which says what damps the body; remove one of them");
-    if (own) return read_material(body, plugins, files).viscosity;
+    if (own) return read_material(body, plugins, files, LawIsFor::elements).viscosity;
     if (!(damping_time > 0.0)) return std::nullopt;
     const double modulus = number(table, "youngs_modulus", "Pa"), nu = poisson_ratio();
     const double shear = modulus / (2.0 * (1.0 + nu));
+    if (!std::isfinite(damping_time * modulus / (1.0 - 2.0 * nu)))
+      time->fail(
+          fmt::format("is {:g} s, too long for a modulus of {:g} Pa: their product overflows", damping_time, modulus));
     if (shape == Invariant::tetrahedron) {
       const double bulk = modulus / (3.0 * (1.0 - 2.0 * nu));
       return LawUse{
@@ -130,14 +138,18 @@ std::optional<ElementMaterial> read_element_material(const Table& body, const Pl
   return result;
 }
 
-void add_body_elements(const Table& body, const ElementMaterial& material, const Mesh& mesh, Scene& scene) {
+void add_body_elements(const Table& body, const ElementMaterial& material, const Mesh& mesh, const PluginHost& plugins,
+                       Scene& scene) {
   Network& network = scene.network;
   const Body& added = network.bodies().back();
   const NodeIndex first = added.first_node;
   const auto begin = static_cast<ElementIndex>(network.elements().size());
   const Value place = body.need("material");
+  const ElementCheck check(network.materials()[material.material], plugins);
   const auto add = [&](Invariant shape, std::vector<NodeIndex> nodes, MaterialIndex index, const Vector3& direction) {
+    const auto number = static_cast<ElementIndex>(network.elements().size());
     place.at_this_place([&] { network.add_element(shape, std::move(nodes), index, {}, direction); });
+    if (index == material.material) check(place, network, number);
   };
   if (material.shape == Invariant::tetrahedron) {
     for (std::size_t cell = 0; cell < mesh.cell_count(); ++cell)

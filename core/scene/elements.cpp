@@ -189,10 +189,11 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   const auto invariant = static_cast<Invariant>(table.need("invariant")
                                                     .choice({"angle", "dihedral", "area", "volume", "enclosed_volume",
                                                              "chain", "triangle", "hinge", "tetrahedron"}));
-  const Material material = read_material(table, plugins, files);
+  const Material material = read_material(table, plugins, files, LawIsFor::elements);
   if (!material.spring && !material.viscosity) {
     table.fail("neither 'spring' nor 'viscosity' says what the elements do; add spring = { type = …, … }");
   }
+  const ElementCheck check(material, plugins);
   const auto selection = table.find("select");
   const auto lists = table.find("nodes");
   if (selection && lists) table.fail("has both 'select' and 'nodes'; leave one out");
@@ -217,6 +218,8 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   if (direction && !several)
     direction->fail(fmt::format("has no meaning for {}; it is for laws over several scalars that read a direction",
                                 name_of(invariant)));
+  if (direction && !check.reads_direction())
+    direction->fail("has no meaning for these laws, which are the same in all directions; remove it");
   const Vector3 along = direction ? direction->vector() : Vector3::Zero();
 
   const NodeLists elements =
@@ -225,7 +228,9 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   const auto first = static_cast<ElementIndex>(network.elements().size());
   const std::vector<Value> places = lists ? lists->elements() : std::vector<Value>();
   for (std::size_t k = 0; k < elements.size(); ++k) {
-    (lists ? places[k] : *selection).at_this_place([&] {
+    const Value& place = lists ? places[k] : *selection;
+    const auto number = static_cast<ElementIndex>(network.elements().size());
+    place.at_this_place([&] {
       if (several) {
         add_several(network, invariant, elements[k], index, factor, along);
         return;
@@ -233,6 +238,7 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
       const ElementIndex element = network.add_element(invariant, elements[k], index, given);
       if (scale) network.set_reference(element, factor * network.elements()[element].reference);
     });
+    check(place, network, number);
   }
   (lists ? *lists : *selection).at_this_place([&] {
     check_spacing(network, {network.springs().size(), first, network.rigids().size()});

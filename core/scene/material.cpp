@@ -34,7 +34,7 @@ struct Springs {
 };
 
 Springs read_springs(const Table& body, const Table& table, const PluginHost& plugins, const Files& files) {
-  Springs springs{read_material(body, plugins, files)};
+  Springs springs{read_material(body, plugins, files, LawIsFor::springs)};
   if (springs.material.spring) {
     body.find("spring")->fail("cannot be combined with 'material', which says what springs are made of; remove one");
   }
@@ -102,7 +102,7 @@ std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
       }
       if (body.has(key)) static_cast<void>(body.find(key)->number_above_0(""));
     }
-    const Material material = read_material(body, plugins, files);
+    const Material material = read_material(body, plugins, files, LawIsFor::springs);
     if (!material.spring && !material.viscosity) return {};
     return {network.add_material(material)};
   }

@@ -38,6 +38,7 @@ struct ElementMaterial {
 [[nodiscard]] std::optional<ElementMaterial> read_element_material(const Table& body, const PluginHost& plugins,
                                                                    const Files& files, Network& network);
 // Adds them to the body added last, which has the cells of the mesh.
-void add_body_elements(const Table& body, const ElementMaterial& material, const Mesh& mesh, Scene& scene);
+void add_body_elements(const Table& body, const ElementMaterial& material, const Mesh& mesh, const PluginHost& plugins,
+                       Scene& scene);
 
 }  // namespace springnet::scene

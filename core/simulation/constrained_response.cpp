@@ -45,7 +45,7 @@ class ConstrainedResponse::OnSurfaces {
       const auto j = static_cast<std::size_t>(surface(i));
       const Pose& pose = at_.poses[j];
       const Matrix3 h = contact_.obstacles()[j].curvature(pose, p_);
-      turning.push_back(h);
+      direction_gradients.push_back(h);
       const double mu = friction_of(model, surface(i));
       if (mu == 0.0) continue;
       Vector3 against = contact_.slip_direction(at_, node, j, p_, v_);
@@ -61,13 +61,13 @@ class ConstrainedResponse::OnSurfaces {
           against = along.normalized();
           by_free = -mu * (Matrix3::Identity() - against * against.transpose()) *
                     (Matrix3::Identity() - all[i] * all[i].transpose()) / along.norm();
-          turning.back() -= mu * direction_by_position(all[i], h, pushed, -acceleration_by_position(pose));
+          direction_gradients.back() -= mu * direction_by_position(all[i], h, pushed, -acceleration_by_position(pose));
         }
       } else if (is_single && follows) {
-        turning.back() -=
+        direction_gradients.back() -=
             mu * direction_by_position(all[i], h, v_ - Contact::velocity(at_, j, p_), -velocity_by_position(pose));
       } else if (is_single) {
-        turning.back() -= mu * direction_by_position(all[i], h, contact_.slip(node), Matrix3::Zero());
+        direction_gradients.back() -= mu * direction_by_position(all[i], h, contact_.slip(node), Matrix3::Zero());
       }
       directions.col(static_cast<Eigen::Index>(i)) -= mu * against;
     }
@@ -76,9 +76,9 @@ class ConstrainedResponse::OnSurfaces {
   void drop_friction() {
     directions = normals;
     by_free.setZero();
-    for (std::size_t i = 0; i < turning.size(); ++i) {
+    for (std::size_t i = 0; i < direction_gradients.size(); ++i) {
       const auto j = static_cast<std::size_t>(surface(i));
-      turning[i] = contact_.obstacles()[j].curvature(at_.poses[j], p_);
+      direction_gradients[i] = contact_.obstacles()[j].curvature(at_.poses[j], p_);
     }
   }
   // Multipliers of the surfaces for a reaction, in its unit.
@@ -88,7 +88,8 @@ class ConstrainedResponse::OnSurfaces {
   // Of forces at these multipliers, by the position.
   [[nodiscard]] Matrix3 by_position(const Eigen::VectorXd& multipliers) const {
     Matrix3 sum = Matrix3::Zero();
-    for (std::size_t i = 0; i < turning.size(); ++i) sum += multipliers[static_cast<Eigen::Index>(i)] * turning[i];
+    for (std::size_t i = 0; i < direction_gradients.size(); ++i)
+      sum += multipliers[static_cast<Eigen::Index>(i)] * direction_gradients[i];
     return sum;
   }
   [[nodiscard]] AccelerationGradient rates(std::size_t i, const Vector3& acceleration) const {
@@ -97,8 +98,8 @@ class ConstrainedResponse::OnSurfaces {
   [[nodiscard]] std::int32_t surface(std::size_t i) const { return contact_.now(node_).surfaces()[i]; }
 
   Eigen::Matrix<double, 3, Eigen::Dynamic> normals, directions;
-  Matrix3 by_free = Matrix3::Zero();  // d(direction)/d(free acceleration)
-  std::vector<Matrix3> turning;       // d(direction)/dp, 1/m
+  Matrix3 by_free = Matrix3::Zero();         // d(direction)/d(free acceleration)
+  std::vector<Matrix3> direction_gradients;  // d(direction)/dp, 1/m
 
  private:
   const Contact& contact_;
@@ -122,16 +123,16 @@ springnet_status ConstrainedResponse::find(Model& model, ReactionsAt& reactions)
       sliding.push_back(row.first);
   }
   for (const std::uint32_t k : sliding) {
-    Vector3 free, bound;
+    Vector3 free, constrained;
     springnet_status status = reactions.unsupported(k, free);
-    if (status == SPRINGNET_OK) status = reactions.bound(k, bound);
+    if (status == SPRINGNET_OK) status = reactions.constrained(k, constrained);
     if (status != SPRINGNET_OK) return status;
-    added_[k] = bound - free;
-    find_lone(reactions, k, free, bound);
+    added_[k] = constrained - free;
+    find_lone(reactions, k, free, constrained);
   }
   for (std::uint32_t c = 0; c < model.rigid.cluster_count(); ++c) {
     if (const springnet_status status = reactions.know(c); status != SPRINGNET_OK) return status;
-    for (const std::uint32_t k : model.rigid.nodes_of(c)) added_[k] = reactions.bound(k) - reactions.free(k);
+    for (const std::uint32_t k : model.rigid.nodes_of(c)) added_[k] = reactions.constrained(k) - reactions.free(k);
   }
   find_clusters(reactions);
   find_rates(reactions);
@@ -141,7 +142,7 @@ springnet_status ConstrainedResponse::find(Model& model, ReactionsAt& reactions)
 
 // As Contact::sliding_acceleration.
 void ConstrainedResponse::find_lone(const ReactionsAt& reactions, std::uint32_t k, const Vector3& free,
-                                    const Vector3& bound) {
+                                    const Vector3& constrained) {
   OnSurfaces on(*model_, reactions, k, free, true);
   if (on.normals.cols() == 1 && !(on.normals.col(0).dot(added_[k]) > 0.0)) on.drop_friction();
   const Eigen::VectorXd x = on.multipliers(added_[k]);  // m/s^2
@@ -152,8 +153,8 @@ void ConstrainedResponse::find_lone(const ReactionsAt& reactions, std::uint32_t 
     answer.col(i) = on.directions * least_squares(square, Eigen::VectorXd::Unit(answer.cols(), i));
   Lone lone{k, Matrix3::Identity() - answer * on.normals.transpose(), Matrix3::Zero(), Matrix3::Zero()};
   lone.by_position = lone.response * on.by_position(x);
-  for (std::size_t i = 0; i < on.turning.size(); ++i) {
-    const AccelerationGradient rate = on.rates(i, bound);
+  for (std::size_t i = 0; i < on.direction_gradients.size(); ++i) {
+    const AccelerationGradient rate = on.rates(i, constrained);
     lone.by_position -= answer.col(static_cast<Eigen::Index>(i)) * rate.by_position.transpose();
     lone.by_velocity -= answer.col(static_cast<Eigen::Index>(i)) * rate.by_velocity.transpose();
   }
@@ -185,13 +186,14 @@ void ConstrainedResponse::find_rates(const ReactionsAt& reactions) {
     if (row.surface < 0) {
       rates_.push_back(length_acceleration_gradient(reactions.position(k) - reactions.position(o),
                                                     reactions.velocity(k) - reactions.velocity(o),
-                                                    reactions.bound(k) - reactions.bound(o)));
+                                                    reactions.constrained(k) - reactions.constrained(o)));
       continue;
     }
     if (k == last) continue;  // the surfaces of a node come one after another
     last = k;
     const OnSurfaces on(*model_, reactions, k, reactions.free(k), false);
-    for (std::size_t i = 0; i < on.turning.size(); ++i) rates_.push_back(on.rates(i, reactions.bound(k)));
+    for (std::size_t i = 0; i < on.direction_gradients.size(); ++i)
+      rates_.push_back(on.rates(i, reactions.constrained(k)));
     // What is left of the force on the node is that of its surfaces.
     const Vector3 of_rods = model_->rigid.connection_force(k, reactions.all_positions(), reactions.tensions().data());
     own_forces_.push_back({k, on.by_position(on.multipliers(added_[k] - of_rods / model_->mass[k]))});
@@ -217,12 +219,12 @@ void ConstrainedResponse::factorise() {
 
 void ConstrainedResponse::apply(bool transposed, double* values) {
   const std::size_t n = added_.size();
-  const auto hold = [&] {
+  const auto clear_held = [&] {
     for (std::size_t k = 0; k < n; ++k)
       if (model_->contact.constrained()[k] != 0)
         for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
   };
-  hold();
+  clear_held();
   for (const Lone& each : lone_) {
     const Vector3 before = vector_of(values, n, each.node);
     const Vector3 after = transposed ? Vector3(each.response.transpose() * before) : Vector3(each.response * before);
@@ -231,7 +233,7 @@ void ConstrainedResponse::apply(bool transposed, double* values) {
   if (rows_.empty()) return;
   factorise();
   apply_clusters(transposed, values);
-  hold();
+  clear_held();
 }
 
 // G W D x = G W G^T x - U E^T x.

@@ -59,7 +59,7 @@ class ConstrainedResponse {
     Matrix3 by_position;
   };
   class OnSurfaces;
-  void find_lone(const ReactionsAt& reactions, std::uint32_t node, const Vector3& free, const Vector3& bound);
+  void find_lone(const ReactionsAt& reactions, std::uint32_t node, const Vector3& free, const Vector3& constrained);
   void find_rates(const ReactionsAt& reactions);
   void find_clusters(const ReactionsAt& reactions);
   void factorise();

@@ -130,7 +130,7 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
       return SPRINGNET_OK;
     case Kind::stall: {
       Vector3 a;
-      if (const springnet_status status = reactions.bound(k, a); status != SPRINGNET_OK) return status;
+      if (const springnet_status status = reactions.constrained(k, a); status != SPRINGNET_OK) return status;
       value = contact.slip_direction(at, k, source.surface, p, reactions.velocity(k))
                   .dot(a - Contact::acceleration(at, source.surface, p)) +
               min_force * model_.scales.force / model_.mass[k];  // a is 0 if rods to sticking nodes hold it

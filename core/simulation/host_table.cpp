@@ -238,7 +238,7 @@ springnet_status project(void* context, const springnet_projection* request) {
       return engine.linear().project(projection.mobility, projection.values, transposed);
     if (projection.mobility != nullptr)
       throw Error(ErrorKind::plugin, "with SPRINGNET_TRUE_FRICTION, mobility must be a null pointer");
-    engine.linear().respond(transposed, projection.values);
+    engine.linear().project_accelerations(transposed, projection.values);
     return springnet_status{SPRINGNET_OK};
   });
 }

@@ -59,7 +59,7 @@ springnet_status ImpulseLedger::begin_anchored() {
     AnchoredCluster& anchored = anchored_.emplace_back(AnchoredCluster{c, {}, {}});
     for (const std::uint32_t k : nodes) {
       anchored.velocity.push_back(vector_at(model_.state.view.velocity, k));
-      anchored.acceleration.push_back(reactions->bound(k));
+      anchored.acceleration.push_back(reactions->constrained(k));
     }
   }
   return SPRINGNET_OK;

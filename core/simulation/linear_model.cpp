@@ -120,7 +120,7 @@ springnet_status LinearModel::times(const double* dp, const double* dv, bool tru
   response_.add_forces(dp, out);
   response_.apply(false, out);
   response_.add_rates(dp, dv, out);
-  hold(out);
+  clear_held(out);
   return SPRINGNET_OK;
 }
 
@@ -128,7 +128,7 @@ springnet_status LinearModel::transposed_times(const double* weights, bool true_
                                                double* by_velocity) {
   weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
   double* const own = weights_of_free_.data();
-  hold(own);
+  clear_held(own);
   const bool responds = true_friction && response_.known();
   if (responds)
     response_.apply(true, own);
@@ -138,20 +138,20 @@ springnet_status LinearModel::transposed_times(const double* weights, bool true_
   if (!responds) return SPRINGNET_OK;
   response_.add_forces_transposed(own, by_position);
   weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
-  hold(own);
+  clear_held(own);
   response_.add_rates_transposed(own, by_position, by_velocity);
   return SPRINGNET_OK;
 }
 
 // Fixed and held nodes do not answer.
-void LinearModel::hold(double* values) const {
+void LinearModel::clear_held(double* values) const {
   const std::size_t n = model_.mass.size();
   for (std::size_t k = 0; k < n; ++k)
     if (model_.contact.constrained()[k] != 0)
       for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = 0.0;
 }
 
-void LinearModel::respond(bool transposed, double* values) {
+void LinearModel::project_accelerations(bool transposed, double* values) {
   if (response_.known())
     response_.apply(transposed, values);
   else

@@ -52,7 +52,7 @@ class LinearModel {
   // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values, bool transposed = false);
   // The same as accelerations answer, with friction that follows normal reactions.
-  void respond(bool transposed, double* values);
+  void project_accelerations(bool transposed, double* values);
   // Drops derivatives, the prepared system and patterns.
   void forget() noexcept;
   // To be called after springs or elements were removed.
@@ -75,7 +75,7 @@ class LinearModel {
   // Whether the preconditioner of the matrix-free solver is good enough for the net.
   [[nodiscard]] bool suits_matrix_free();
   [[nodiscard]] bool is_thin();
-  void hold(double* values) const;
+  void clear_held(double* values) const;
   // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();

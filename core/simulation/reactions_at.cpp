@@ -33,7 +33,7 @@ ReactionsAt::ReactionsAt(Model& model, double time, const springnet_const_vector
     volumes_.compute(model.layout.elements(), node_arrays(position, velocity, internal_));
   if (!cluster_known_.empty()) {
     const std::size_t n = model.layout.node_count();
-    for (auto* values : {&free_, &bound_}) values->resize(3 * n);
+    for (auto* values : {&free_, &constrained_}) values->resize(3 * n);
     tension_.resize(model.rigid.rods().size());
   }
 }
@@ -144,11 +144,11 @@ springnet_status ReactionsAt::acceleration(std::uint32_t node, Vector3& accelera
   if (clusters == nullptr || clusters[node] == 0xffffffffu) return free_acceleration(node, acceleration);
   if (const springnet_status status = know(clusters[node]); status != SPRINGNET_OK) return status;
   const std::size_t n = model_.layout.node_count();
-  acceleration = {bound_[node], bound_[n + node], bound_[2 * n + node]};
+  acceleration = {constrained_[node], constrained_[n + node], constrained_[2 * n + node]};
   return SPRINGNET_OK;
 }
 
-springnet_status ReactionsAt::bound(std::uint32_t node, Vector3& acceleration) {
+springnet_status ReactionsAt::constrained(std::uint32_t node, Vector3& acceleration) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   if (clusters != nullptr && clusters[node] != 0xffffffffu) return this->acceleration(node, acceleration);
   const springnet_status status = free_acceleration(node, acceleration);
@@ -160,16 +160,16 @@ springnet_status ReactionsAt::know(std::uint32_t cluster) {
   if (cluster_known_[cluster] != 0) return SPRINGNET_OK;
   const std::size_t n = model_.layout.node_count();
   const springnet_vectors free{free_.data(), free_.data() + n, free_.data() + 2 * n};
-  const springnet_vectors bound{bound_.data(), bound_.data() + n, bound_.data() + 2 * n};
+  const springnet_vectors constrained{constrained_.data(), constrained_.data() + n, constrained_.data() + 2 * n};
   for (const std::uint32_t k : model_.rigid.nodes_of(cluster)) {
     Vector3 a;
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
     if (k != without_) model_.constraints.accelerate(*placement_, k, 1, position_, velocity_, values);
-    put_vector(bound, k, a);
+    put_vector(constrained, k, a);
   }
-  model_.rigid.accelerate(*placement_, cluster, position_, velocity_, bound, tension_.data(), without_);
+  model_.rigid.accelerate(*placement_, cluster, position_, velocity_, constrained, tension_.data(), without_);
   cluster_known_[cluster] = 1;
   brace(cluster);
   return SPRINGNET_OK;
@@ -232,7 +232,7 @@ springnet_status ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t no
   const auto of = [&](const std::vector<double>& values) {
     return Vector3(values[node], values[n + node], values[2 * n + node]);
   };
-  reaction = model_.constraints.reaction(node, of(free_), of(bound_), position_, tension_.data());
+  reaction = model_.constraints.reaction(node, of(free_), of(constrained_), position_, tension_.data());
   return SPRINGNET_OK;
 }
 

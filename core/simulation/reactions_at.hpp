@@ -43,7 +43,7 @@ class ReactionsAt {
   // contact and friction, m/s^2.
   springnet_status acceleration(std::uint32_t node, Vector3& acceleration);
   // With all constraints, m/s^2.
-  springnet_status bound(std::uint32_t node, Vector3& acceleration);
+  springnet_status constrained(std::uint32_t node, Vector3& acceleration);
   // Without obstacles and rigid connections, m/s^2.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
   // Treats this node as free of contact from now on.
@@ -58,7 +58,7 @@ class ReactionsAt {
   springnet_status know(std::uint32_t cluster);
   // Acceleration of a node whose cluster is known: without rigid connections and obstacles, and with them, m/s^2.
   [[nodiscard]] Vector3 free(std::uint32_t node) const { return part(free_, node); }
-  [[nodiscard]] Vector3 bound(std::uint32_t node) const { return part(bound_, node); }
+  [[nodiscard]] Vector3 constrained(std::uint32_t node) const { return part(constrained_, node); }
   [[nodiscard]] const springnet_const_vectors& all_positions() const noexcept { return position_; }
   [[nodiscard]] const Placement& placement() const noexcept { return *placement_; }
   [[nodiscard]] const std::vector<double>& tensions() const noexcept { return tension_; }  // [rod] N
@@ -85,9 +85,9 @@ class ReactionsAt {
   std::vector<Vector3> prepared_acceleration_;  // and theirs, without obstacles and rigid connections, m/s^2
   std::uint32_t without_ = ConstraintRow::no_node;
   std::vector<std::uint8_t> cluster_known_;
-  std::vector<double> free_, bound_;  // [3 node] m/s^2
-  std::vector<double> tension_;       // [rod] N
-  std::vector<double> bracing_;       // [rod] N, part of tension_ by bracing; empty: none
+  std::vector<double> free_, constrained_;  // [3 node] m/s^2
+  std::vector<double> tension_;             // [rod] N
+  std::vector<double> bracing_;             // [rod] N, part of tension_ by bracing; empty: none
 };
 
 }  // namespace springnet

@@ -88,7 +88,7 @@ void Settling::keep_direction(std::uint32_t k) {
     keep(against);
     ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
     Vector3 a;
-    if (reactions.bound(k, a) != SPRINGNET_OK) return std::numeric_limits<double>::quiet_NaN();
+    if (reactions.constrained(k, a) != SPRINGNET_OK) return std::numeric_limits<double>::quiet_NaN();
     a -= Contact::acceleration(*at_, j, p);
     slows = -goes.dot(a);
     return n.dot(goes.cross(a));

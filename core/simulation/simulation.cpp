@@ -242,6 +242,9 @@ std::optional<Simulation::Between> Simulation::Impl::between(double time) {
   const Ending end = call([&] { return functions.interpolate(integrator, &output); });
   if (end.broken) throw Error(ErrorKind::plugin, end.text);
   if (end.status != SPRINGNET_OK) return {};
+  // The present state has the host's changes since, and velocities as they are from now on.
+  const springnet_state& now = engine.model().state.view;
+  if (time == engine.model().time) return Between{map(now.position), map(now.velocity)};
   return Between{p.transpose(), v.transpose()};
 }
 

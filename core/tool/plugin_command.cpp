@@ -47,10 +47,11 @@ struct Capability {
   std::uint64_t bit;
   const char* text;
 };
-constexpr std::array<Capability, 19> capabilities{
+constexpr std::array<Capability, 20> capabilities{
     {{SPRINGNET_HAS_ENERGY, "energy"},
      {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
      {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives with respect to parameters"},
+     {SPRINGNET_HAS_ALL_DERIVATIVES, "all first derivatives"},
      {SPRINGNET_HAS_RUPTURE, "rupture"},
      {SPRINGNET_ACTS_IN_COMPRESSION, "acts in compression"},
      {SPRINGNET_READS_RATE, "reads the rate"},

@@ -118,8 +118,10 @@ std::string springs_per_second(const RunSummary& summary) {
 std::string result_text(const RunSummary& summary, const std::filesystem::path& folder, std::size_t first) {
   const auto steps = static_cast<double>(summary.steps);
   std::string text;
-  text += fmt::format("{}: {}, {}, {}\n", summary.scene, summary.integrator.id, counted(summary.nodes, "node"),
-                      counted(summary.springs, "spring"));
+  text += fmt::format("{}: {}, {}", summary.scene, summary.integrator.id, counted(summary.nodes, "node"));
+  if (summary.springs > 0 || summary.elements == 0) text += ", " + counted(summary.springs, "spring");
+  if (summary.elements > 0) text += ", " + counted(summary.elements, "element");
+  text += "\n";
   text += fmt::format("  outcome    {}\n", summary.outcome);
   text +=
       fmt::format("  simulated  {:g} s of {:g} s in {:.3g} s ({}): {}, {:.1f} sweeps per step{}\n", summary.simulated,

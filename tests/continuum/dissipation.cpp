@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 #include <springnet/scene.hpp>
+#include <springnet/sdk/law.hpp>
 #include <springnet/simulation.hpp>
 
 #include "../random_nets/plain_continuum.hpp"
@@ -37,6 +38,31 @@ Network moving_net(const SimplexMesh<N>& mesh, const Material& material, unsigne
   }
   return net;
 }
+
+// Spring and damper in one law: what of its force derives from no energy is lost.
+struct DampedEdges : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy>;
+  enum { stiffness, viscosity };
+  static constexpr const char *id = "damped_edges", *summary = "edges of a triangle as springs with dampers";
+  static constexpr bool reads_rate = true;
+  static constexpr sdk::Shape shape = sdk::Shape::triangle;
+  static constexpr sdk::Scalar invariants[] = {sdk::length_of(0, 1), sdk::length_of(0, 2), sdk::length_of(1, 2)};
+  static constexpr sdk::Parameter parameters[] = {sdk::number("stiffness", "N/m", "of an edge"),
+                                                  sdk::number("viscosity", "N s/m", "of an edge")};
+  template <class E>
+  static auto energy(const E& e, const auto& p) {
+    auto sum = 0.0 * e.q[0];
+    for (std::size_t i = 0; i < 3; ++i)
+      sum += 0.5 * p[stiffness] * (e.q[i] - e.reference[i]) * (e.q[i] - e.reference[i]);
+    return sum;
+  }
+  static auto force(const auto& e, const auto& p) {
+    const auto of = [&](std::size_t i) { return p[stiffness] * (e.q[i] - e.reference[i]) + p[viscosity] * e.rate[i]; };
+    return std::array{of(0), of(1), of(2)};
+  }
+};
+constexpr springnet_plugin damped_edges =
+    sdk::PluginEntry<DampedEdges>::make("test.damped_edges", "1.0.0", "springnet", "MIT");
 
 struct Powers {
   double dissipated = 0.0;  // W
@@ -103,6 +129,45 @@ TEST_CASE("the dissipation of elements over several scalars is that of their vis
       CHECK(std::abs(simulation.element_dissipation(e) - each[e]) <= 1e-12 * own.dissipated);
     CHECK(simulation.potential_energy() == doctest::Approx(own.energy).epsilon(1e-11));
   }
+}
+
+TEST_CASE("a spring function over several scalars dissipates what of its force derives from no energy") {
+  constexpr double viscosity = 0.8;
+  auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  host->add(damped_edges);
+  const Material material{LawUse{"damped_edges", {{"stiffness", 30.0}, {"viscosity", viscosity}}}, std::nullopt};
+  const Network net = moving_net(sheet_mesh(3, 1.0, 1.3, 5), material, 5);
+  // c l'^2 of each edge.
+  const auto power = [&](const Simulation& at, const Element& element) {
+    double sum = 0.0;
+    for (const auto& [a, b] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+      const NodeIndex i = element.nodes[static_cast<std::size_t>(a)], j = element.nodes[static_cast<std::size_t>(b)];
+      const double rate = (at.position(i) - at.position(j)).normalized().dot(at.velocity(i) - at.velocity(j));
+      sum += viscosity * rate * rate;
+    }
+    return sum;
+  };
+  const auto lost = [&](double time_step) {  // of what leaves the kinetic and elastic energy in 0.2 s
+    Simulation simulation(net, host, with_energy(recurrent(newton, 1e-10, {{"theta", 0.5}}), time_step));
+    const double before = simulation.kinetic_energy() + simulation.potential_energy();
+    simulation.step();
+    double sum = 0.0;
+    for (ElementIndex e = 0; e < net.elements().size(); ++e) {
+      const double own = power(simulation, net.elements()[e]);
+      CHECK(simulation.element_dissipation(e) == doctest::Approx(own).epsilon(1e-10));
+      sum += own;
+    }
+    CHECK(sum > 0.1);
+    CHECK(simulation.dissipated_power() == doctest::Approx(sum).epsilon(1e-10));
+    while (simulation.time() < 0.2 - 0.5 * time_step) simulation.step();
+    const double gone = before - simulation.kinetic_energy() - simulation.potential_energy();
+    return std::pair(gone, simulation.dissipated_energy());
+  };
+  const auto [coarse_gone, coarse] = lost(2e-3);
+  const auto [gone, fine] = lost(5e-4);
+  CHECK(gone > 0.02);
+  CHECK(fine == doctest::Approx(gone).epsilon(1e-3));
+  CHECK(std::abs(fine - gone) <= std::abs(coarse - coarse_gone) / 12.0 + 1e-8);  // of second order
 }
 
 TEST_CASE("dissipated energy of elements over several scalars is the integral of their power") {

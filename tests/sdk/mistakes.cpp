@@ -53,6 +53,16 @@ struct Mistaken : SpringFunction {
   static constexpr Shape shape = Shape::triangle;
   static constexpr Scalar invariants[] = {length_of(0, 1), length_of(1, 2)};
   static auto force(const auto& e, const auto&) { return e.q[0]; }
+#elif defined(UNDECLARED_DIRECTION)
+  static constexpr Shape shape = Shape::triangle;
+  static constexpr Scalar invariants[] = {length_of(0, 1), length_of(1, 2)};
+  static auto force(const auto& e, const auto&) { return std::array{e.q[0] * e.direction[0], e.q[1]}; }
+#elif defined(STATES_OF_SEVERAL)
+  static constexpr Shape shape = Shape::triangle;
+  static constexpr Scalar invariants[] = {length_of(0, 1), length_of(1, 2)};
+  static constexpr Parameter states[] = {number("creep", "m", "").preset(0)};
+  static auto force(const auto& e, const auto&) { return std::array{e.q[0] - e.state(0), e.q[1]}; }
+  static auto state_rates(const auto& e, const auto&) { return std::array{e.q[0]}; }
 #endif
 };
 

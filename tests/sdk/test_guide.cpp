@@ -19,6 +19,7 @@ extern const springnet_plugin springnet_plugin_entry_example_6;
 extern const springnet_plugin springnet_plugin_entry_example_7;
 extern const springnet_plugin springnet_plugin_entry_example_8;
 extern const springnet_plugin springnet_plugin_entry_example_several;
+extern const springnet_plugin springnet_plugin_entry_example_elements;
 }
 
 std::shared_ptr<springnet::PluginHost> plugins_with_own_laws(const std::vector<double>& measured, double gain);
@@ -31,7 +32,8 @@ std::shared_ptr<const PluginHost> plugins() {
   for (const springnet_plugin* plugin :
        {&springnet_plugin_entry_example_1, &springnet_plugin_entry_example_3, &springnet_plugin_entry_example_4,
         &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6, &springnet_plugin_entry_example_7,
-        &springnet_plugin_entry_example_8, &springnet_plugin_entry_example_several}) {
+        &springnet_plugin_entry_example_8, &springnet_plugin_entry_example_several,
+        &springnet_plugin_entry_example_elements}) {
     CAPTURE(std::string(plugin->id));
     CHECK(host->add(*plugin));
   }
@@ -100,6 +102,30 @@ TEST_CASE("the guide's integrator is the single synchronous sweep of the recurre
   }
   CHECK((guide.positions().array() == recurrent.positions().array()).all());
   CHECK((guide.velocities().array() == recurrent.velocities().array()).all());
+}
+
+TEST_CASE("the guide's method of one spring after another settles at the step of implicit Euler") {
+  const auto host = plugins();
+  Network network = swinging({"exponential", {{"stiffness", 20.0}, {"exponent", 3.0}}}, {"point_mass", {}});
+  network.add_load({{47}, {0.0, 0.3, 0.0}});
+  Move move;
+  move.nodes = {0};
+  move.motion.amplitude = {0.0, 0.05, 0.0};
+  move.motion.frequency = 2.0;
+  network.add_move(move);
+  SimulationOptions options;
+  options.time_step = 0.02;
+  options.integrator = {"spring_by_spring", {{"force_tolerance", 1e-12}}};
+  Simulation guide(network, host, options);
+  options.integrator = {"recurrent", {{"update", 4.0}, {"force_tolerance", 1e-12}}};
+  Simulation recurrent(network, host, options);
+  for (int step = 0; step < 20; ++step) {
+    guide.step();
+    recurrent.step();
+  }
+  // What both leave of each step's forces, 1e-12 N, and rounding.
+  CHECK((guide.positions() - recurrent.positions()).cwiseAbs().maxCoeff() <= 1e-10);
+  CHECK((guide.positions() - Simulation(network, host, options).positions()).cwiseAbs().maxCoeff() > 0.01);
 }
 
 TEST_CASE("the engine breaks the guide's brittle spring, and its motor pulls") {

@@ -113,6 +113,8 @@ struct RunSummary {
   std::size_t nodes = 0;
   std::size_t springs = 0;
   std::size_t springs_left = 0;
+  std::size_t elements = 0;
+  std::size_t elements_left = 0;
   std::uint64_t steps = 0;
   std::uint64_t sweeps = 0;
   double spring_updates = 0.0;     // springs evaluated

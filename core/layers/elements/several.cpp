@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <vector>
 
 namespace springnet::layers {
 namespace {
@@ -125,6 +126,28 @@ springnet_status evaluate_several(const Group& group, const SeveralMembers& memb
     out[k].several_tangent = tangent;
     if (wanted == SeveralWanted::forces_and_energies) out[k].energy = answers.energy[k];
     if (wanted == SeveralWanted::margins) out[k].margin = answers.margin[k];
+  }
+  LawBatch batch{group, members.corners.count, members.rows, nullptr, nullptr};
+  batch.several = &inputs;
+  return evaluate_laws(batch, set, time, out, message);
+}
+
+springnet_status several_energy_gradients(const Group& group, const SeveralMembers& members,
+                                          const SeveralGeometry& geometry, InstructionSet set, double time,
+                                          SeveralEnergyGradients& gradients, springnet_message& message) {
+  const SeveralInputs inputs = inputs_of(members, geometry);
+  std::vector<double*> jacobian[2];
+  PairOutputs out{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (double(&of_scalar)[several_batch] : gradients.value[k]) std::fill_n(of_scalar, members.corners.count, 0.0);
+    const Law& law = *group.laws()[k];
+    if (!law || !law.can(SPRINGNET_HAS_ENERGY) || !law.can(SPRINGNET_HAS_ALL_DERIVATIVES)) continue;
+    const sdk::JacobianLayout layout = jacobian_of(law);
+    jacobian[k].assign(layout.rows() * layout.columns(false), nullptr);
+    for (std::size_t i = 0; i < law.scalar_count; ++i)
+      if (law.reads[i])
+        jacobian[k][layout.energy() * layout.columns(false) + layout.value(i)] = gradients.value[k][law.scalar[i]];
+    out[k].derivatives = jacobian[k].data();
   }
   LawBatch batch{group, members.corners.count, members.rows, nullptr, nullptr};
   batch.several = &inputs;

@@ -62,12 +62,20 @@ struct SeveralAnswers {
   double by_rate[2][max_scalars * max_scalars][several_batch];
 };
 enum class SeveralWanted : std::uint8_t { forces, forces_and_energies, margins, tangent };
+// dE/dq_i of laws that have an energy and derivatives, [law][scalar][member]; 0 of the others. Not initialised.
+struct SeveralEnergyGradients {
+  alignas(64) double value[2][max_scalars][several_batch];
+};
 
 // Evaluates the laws at a geometry. `wanted`: what both answer beside their forces; energies and margins of laws that
 // have none are nan and infinity. Throws nothing; see evaluate_laws().
 springnet_status evaluate_several(const Group& group, const SeveralMembers& members, const SeveralGeometry& geometry,
                                   InstructionSet set, double time, SeveralWanted wanted, SeveralAnswers& out,
                                   springnet_message& message);
+// Throws nothing, as it.
+springnet_status several_energy_gradients(const Group& group, const SeveralMembers& members,
+                                          const SeveralGeometry& geometry, InstructionSet set, double time,
+                                          SeveralEnergyGradients& out, springnet_message& message);
 // The forces of both laws for the kernels: null for scalars that a law does not read.
 void forces_of(const Group& group, const SeveralAnswers& answers, const double* (&out)[2][max_scalars]) noexcept;
 // Sums up what both laws answered with SeveralWanted::tangent. False: a number is not finite.

@@ -14,15 +14,15 @@ using namespace springnet::sdk;
 
 struct Shell : SpringFunction {
   enum { youngs_modulus, poisson_ratio, thickness };
-  enum { angle, edge, c_to_a, c_to_b, d_to_a, d_to_b };
+  enum { angle, edge, first_area, second_area };
   using has = Has<Energy>;
   static constexpr const char* id = "shell";
   static constexpr const char* summary = "bending of a thin shell at the edge of two triangles";
   static constexpr const char* reference =
       "E. Grinspun, A. N. Hirani, M. Desbrun, P. Schroeder, Discrete shells, Symp. Computer Animation 2003, 62-67";
   static constexpr Shape shape = Shape::hinge;
-  static constexpr Scalar invariants[] = {dihedral_of(0, 1, 2, 3),  at_rest(length_of(0, 1)), at_rest(length_of(2, 0)),
-                                          at_rest(length_of(2, 1)), at_rest(length_of(3, 0)), at_rest(length_of(3, 1))};
+  static constexpr Scalar invariants[] = {dihedral_of(0, 1, 2, 3), at_rest(length_of(0, 1)), at_rest(area_of(0, 1, 2)),
+                                          at_rest(area_of(0, 1, 3))};
   static constexpr Parameter parameters[] = {
       number("youngs_modulus", "Pa", "Young's modulus").at_least(0).learnable(),
       number("poisson_ratio", "1", "Poisson's ratio").above(-1).below(0.5).learnable(0.1),
@@ -30,23 +30,19 @@ struct Shell : SpringFunction {
 
   // D l^2 / (A1 + A2)
   template <class Real>
-  static Real stiffness(const SeveralOf<Real, 6>& e, const Parameters<Real>& p) {
-    const auto area = [&](const Real& a, const Real& b) {  // of the edge and two other sides
-      const Real l2 = e.reference[edge] * e.reference[edge], a2 = a * a, b2 = b * b, x = l2 + a2 - b2;
-      return 0.25 * sqrt(4.0 * l2 * a2 - x * x);
-    };
-    const Real areas = area(e.reference[c_to_a], e.reference[c_to_b]) + area(e.reference[d_to_a], e.reference[d_to_b]);
+  static Real stiffness(const SeveralOf<Real, 4>& e, const Parameters<Real>& p) {
+    const Real areas = e.reference[first_area] + e.reference[second_area];
     const Real t = p[thickness], nu = p[poisson_ratio];
     const Real rigidity = p[youngs_modulus] * t * t * t / (12.0 * (1.0 - nu * nu));
     return rigidity * e.reference[edge] * e.reference[edge] / areas;
   }
   template <class Real>
-  static Real energy(const SeveralOf<Real, 6>& e, const Parameters<Real>& p) {
+  static Real energy(const SeveralOf<Real, 4>& e, const Parameters<Real>& p) {
     const Real x = e.q[angle] - e.reference[angle];
     return 0.5 * stiffness(e, p) * x * x;
   }
   template <class Real>
-  static std::array<Real, 6> force(const SeveralOf<Real, 6>& e, const Parameters<Real>& p) {
+  static std::array<Real, 4> force(const SeveralOf<Real, 4>& e, const Parameters<Real>& p) {
     return {stiffness(e, p) * (e.q[angle] - e.reference[angle])};
   }
 };

@@ -15,15 +15,17 @@ namespace springnet::sdk {
 // In place of a table, for laws without.
 struct NoTable {};
 
-// Laws without `static constexpr bool reads_rate = true` (or reads_time) are compiled once with elements whose rate
-// (time) has this type, which has no operations: a compiler error that mentions it means that the law reads e.rate
-// (e.time).
+// Laws without `static constexpr bool reads_rate = true` (or reads_time, reads_direction) are compiled once with
+// elements whose rate (time, direction) has this type, which has no operations: a compiler error that mentions it means
+// that the law reads e.rate (e.time, e.direction).
 struct ReadsRateIsNotDeclared {};
 struct ReadsTimeIsNotDeclared {};
+struct ReadsDirectionIsNotDeclared {};
 // Numbers of such elements: values, of types that no evaluation has.
 inline constexpr std::size_t max_states = 8;
 using Rateless = Dual<0, Dual<0>>;
 using Timeless = Dual<0, Rateless>;
+using Directionless = Dual<0, Timeless>;
 
 // The inputs of a law for one element, besides its parameters. Table: what the law's prepare() returns.
 template <class Real, class Table = NoTable>
@@ -50,13 +52,14 @@ template <class Real, std::size_t N, class Table = NoTable>
 struct SeveralOf {
   using Rate = typename Element<Real, Table>::Rate;
   using Time = typename Element<Real, Table>::Time;
+  using Component = std::conditional_t<std::is_same_v<Real, Directionless>, ReadsDirectionIsNotDeclared, Real>;
 
   std::array<Real, N> q;          // the invariants: m, rad, m^2, m^3; unset where only the reference is read
   std::array<Rate, N> rate;       // their rates, if the law declares reads_rate
   std::array<Real, N> reference;  // their values at rest
   // Of the material at rest, if the law declares reads_direction: its components in the edges from node 0 to the
   // others, sum_k direction[k] (p_k+1 - p_0), of length 1.
-  std::array<Real, 3> direction;
+  std::array<Component, 3> direction;
   Time time;  // s, if the law declares reads_time
   const Table& table;
   const Real* states;

@@ -105,7 +105,7 @@ struct LawTraits {
   static constexpr bool has_start = Law::has::template names<Start>;
   static constexpr bool reads_rate = Law::reads_rate && (several || Law::invariant != SPRINGNET_RELATIVE_SPEED);
 
-  // Compiles the formulas for elements without a rate, or without a time.
+  // Compiles the formulas for elements without a rate, a time, or a direction.
   template <class Probe>
   static constexpr bool compiles_with() {
     return +[](const Law& law, const ElementOf<Probe>& e, const Parameters<Probe>& p,
@@ -124,6 +124,10 @@ struct LawTraits {
   }
   static constexpr bool time_is_declared() {
     if constexpr (!Law::reads_time) return compiles_with<Timeless>();
+    return true;
+  }
+  static constexpr bool direction_is_declared() {
+    if constexpr (several && !Law::reads_direction) return compiles_with<Directionless>();
     return true;
   }
 
@@ -152,7 +156,7 @@ struct LawTraits {
       "no invariant twice");
   static_assert(several || (Law::shape == Shape::none && !Law::reads_direction),
                 "`shape` and `reads_direction` are for laws with a list of invariants");
-  static_assert(!(several && has_update), "a law over several invariants leaves the step of its states to the SDK");
+  static_assert(!(several && state_count > 0), "a law over several invariants cannot have `states`");
   static_assert(has_energy == defines_energy,
                 "`using has = Has<Energy>;` and energy(e, p) belong together: write both, or neither");
   static_assert(has_margin == defines_margin,
@@ -170,6 +174,7 @@ struct LawTraits {
   static_assert(Law::update_order == 1 || Law::update_order == 2, "update_order is 1 or 2");
   static_assert(rate_is_declared());
   static_assert(time_is_declared());
+  static_assert(direction_is_declared());
 };
 
 }  // namespace springnet::sdk
