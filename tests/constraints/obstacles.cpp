@@ -1,9 +1,7 @@
 // Obstacles by themselves: the distance from a box by its supporting planes, derivatives by differences, poses that
 // turn, first touches.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <random>
 #include <vector>
@@ -137,93 +135,6 @@ TEST_CASE("a box lies on its faces, edges and corners") {
   const Obstacle ball(box_of({1, 0, 0}, {2, 2, 2}, Matrix3::Identity(), 1.0));
   CHECK(ball.gap(rest, {1, 3, 4}) == 4.0);
   CHECK(ball.normal(rest, {1, 3, 4}).isApprox(Vector3(0, 0.6, 0.8), 1e-15));
-}
-
-namespace {
-
-using Complex = std::complex<double>;
-using ComplexVector = std::array<Complex, 3>;
-
-// Distances by their definitions, of points whose coordinates may be complex; comparisons are of real parts.
-Complex plain_gap(const Plane& plane, const ComplexVector& p) {
-  Complex sum = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto i = static_cast<Eigen::Index>(c);
-    sum += plane.normal[i] * (p[c] - plane.point[i]);
-  }
-  return sum / plane.normal.norm();
-}
-Complex plain_gap(const Instrument& tool, const ComplexVector& p) {
-  Complex square = 0.0;
-  if (!tool.box) {  // from the nearest point of a segment
-    const Vector3 axis = tool.second - tool.first;
-    Complex along = 0.0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto i = static_cast<Eigen::Index>(c);
-      along += (p[c] - tool.first[i]) * axis[i] / axis.squaredNorm();
-    }
-    if (along.real() < 0.0) along = 0.0;
-    if (along.real() > 1.0) along = 1.0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto i = static_cast<Eigen::Index>(c);
-      const Complex off = p[c] - tool.first[i] - along * axis[i];
-      square += off * off;
-    }
-    return std::sqrt(square) - tool.radius;
-  }
-  const BoxShape& box = *tool.box;
-  for (Eigen::Index a = 0; a < 3; ++a) {
-    Complex q = 0.0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto i = static_cast<Eigen::Index>(c);
-      q += box.axes(i, a) * (p[c] - tool.first[i]);
-    }
-    const Complex beyond = (q.real() < 0.0 ? -q : q) - (0.5 * box.size[a] - box.radius);
-    if (beyond.real() > 0.0) square += beyond * beyond;
-  }
-  return std::sqrt(square) - box.radius;  // of points outside the core
-}
-
-template <class Shape>
-void check_normals(const Shape& shape, Dice& dice) {
-  constexpr double tiny = 1e-60;
-  const Obstacle obstacle(shape);
-  int checked = 0;
-  for (int k = 0; k < 300; ++k) {
-    const Vector3 x = dice.vector(1.5);
-    if (obstacle.gap(Pose{}, x) < 0.01) continue;
-    ++checked;
-    Vector3 normal;
-    for (std::size_t c = 0; c < 3; ++c) {
-      ComplexVector p{x[0], x[1], x[2]};
-      CHECK(std::abs(plain_gap(shape, p).real() - obstacle.gap(Pose{}, x)) <= 2e-15);
-      p[c] += Complex(0.0, tiny);
-      normal[static_cast<Eigen::Index>(c)] = plain_gap(shape, p).imag() / tiny;
-    }
-    // Roundings of a direction of length 1, of points some tenths from the surface and up to 100 times as close.
-    CHECK((obstacle.normal(Pose{}, x) - normal).norm() <= 5e-14);
-  }
-  CHECK(checked > 50);
-}
-
-}  // namespace
-
-TEST_CASE("normals are the complex step of the distance by its definition") {
-  Dice dice;
-  Plane plane;
-  plane.normal = Vector3(0.36, 0.48, 0.8);
-  plane.point = Vector3(0.1, 0.2, -0.3);
-  check_normals(plane, dice);
-  Instrument capsule;
-  capsule.first = {-0.2, 0.1, 0.0};
-  capsule.second = {0.4, 0.1, 0.2};
-  capsule.radius = 0.3;
-  check_normals(capsule, dice);
-  Instrument ball = capsule;
-  ball.second = ball.first + Vector3(1e-3, 0, 0);
-  check_normals(ball, dice);
-  for (const double radius : {0.05, 0.1})
-    check_normals(box_of({0.1, 0.2, 0}, {0.6, 0.4, 0.3}, dice.rotation(), radius), dice);
 }
 
 TEST_CASE("normals and curvatures are derivatives of the distance, wherever the obstacle has turned to") {

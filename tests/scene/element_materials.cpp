@@ -130,4 +130,28 @@ TEST_CASE("mistakes in element materials say what and where") {
   refused(net + "invariant = \"tetrahedron\"\nreference = 1.0\n" + law, "reference | reference_scale");
   refused(net + "invariant = \"tetrahedron\"\nreference_scale = 0.0\n" + law, "reference_scale | above 0");
   refused(net + "invariant = \"volume\"\ndirection = [1, 0, 0]\n" + law, "direction | no meaning");
+  refused(net + "invariant = \"tetrahedron\"\ndirection = [1, 0, 0]\n" + law,
+          "element.0.direction | same in all directions");
+  // A law that does not fit, at the place that says so.
+  refused(net + "invariant = \"triangle\"\n" + law, "test.toml | element.0.select | 'solid' is for | tetrahedron");
+  refused(net +
+              "invariant = \"volume\"\nspring = { type = \"linear\", stiffness = 1.0 }\nviscosity = { type = "
+              "\"relative\", damping = 1.0 }\n",
+          "element.0.select | 'relative' reads the relative speed");
+  const std::string fibres =
+      "spring = { type = \"fibre_solid\", youngs_modulus = 1.0, poisson_ratio = 0.3, "
+      "fibre_modulus = 1.0 }\n";
+  refused(net + "invariant = \"tetrahedron\"\n" + fibres, "element.0.select | reads a direction");
+  const auto one = [&](const std::string& nodes) {
+    return simulation +
+           "[[body]]\nname = \"b\"\nneuron = { type = \"point_mass\", mass = 1.0 }\nsprings = []\n"
+           "nodes = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 1e-9], [0, 0, 1]]\n"
+           "[[element]]\nbody = \"b\"\ninvariant = \"tetrahedron\"\nnodes = [" +
+           nodes + "]\n" + law;
+  };
+  refused(one("[0, 1, 2, 4], [0, 1, 2, 3]"), "element.0.nodes.1 | element 1 | needs a volume at rest | in a plane");
+  refused(one("[0, 2, 1, 4]"), "element.0.nodes.0 | volume above 0 | exchange two");
+  refused(body(box, "spring = { type = \"solid\", youngs_modulus = 1.0, poisson_ratio = 0.3 }"),
+          "body.0.spring.type | 'solid' is for elements | tetrahedron | not for springs");
+  refused(body(box, material(solid + ", damping_time = 1e308")), "damping_time | 1e+308 s | overflows");
 }
