@@ -67,7 +67,7 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
                   fmt::format("position of node {}: it is {:.3g} m {} {}; move it outside, or fix the node first", node,
                               -distance, contact.obstacles()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }
-  springnet::set_node(impl_->between_steps().engine.model(), k, position, std::nullopt);
+  springnet::set_node(impl_->changed_state(), k, position, std::nullopt);
 }
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   check_finite(velocity, fmt::format("velocity of node {}", node));
@@ -75,10 +75,10 @@ void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   if (impl_->engine.model().contact.fixed()[k] != 0)
     throw Error(ErrorKind::input,
                 fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
-  springnet::set_node(impl_->between_steps().engine.model(), k, std::nullopt, velocity);
+  springnet::set_node(impl_->changed_state(), k, std::nullopt, velocity);
 }
 void Simulation::set_fixed(NodeIndex node, bool fixed) {
-  springnet::set_fixed(impl_->between_steps().engine.model(), impl_->engine_node(node), fixed);
+  springnet::set_fixed(impl_->changed_state(), impl_->engine_node(node), fixed);
 }
 void Simulation::move_surface(std::size_t surface, const Vector3& position, double time) {
   impl_->check_surface_index(surface);

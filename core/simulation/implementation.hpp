@@ -65,6 +65,12 @@ struct Simulation::Impl {
   [[nodiscard]] std::string integrator_memory();
   void set_integrator_memory(std::string_view memory);
   [[nodiscard]] std::optional<Simulation::Between> between(double time);
+  // The model for a change of the committed state, which is then not where the last step ended.
+  Model& changed_state() {
+    Model& model = between_steps().engine.model();
+    state_is_of_step = false;
+    return model;
+  }
   void require_abilities() const;
   void advance(double until);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
@@ -145,7 +151,8 @@ struct Simulation::Impl {
   void* integrator = nullptr;
   StepReport last;
   std::uint64_t steps = 0, sweeps = 0;
-  bool in_step = false;  // a call of the integrator
+  bool in_step = false;           // a call of the integrator
+  bool state_is_of_step = false;  // the committed state is where the last step ended: nobody has changed it since
   // The next step ends at grid_start + (grid_steps + 1) time_step, so that rounding does not add up.
   double grid_start = 0.0;
   std::uint64_t grid_steps = 0;

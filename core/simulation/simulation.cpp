@@ -135,6 +135,7 @@ void Simulation::Impl::advance(double until) {
   report.start_node = 0xffffffffu;
   report.position_error = std::numeric_limits<double>::quiet_NaN();
   engine.calls().begin_advance(until);
+  state_is_of_step = true;
   const struct Asked {
     Deadline& deadline;
     ~Asked() { deadline.forget_asking(); }
@@ -245,6 +246,7 @@ std::optional<Simulation::Between> Simulation::Impl::between(double time) {
   // The present state has the host's changes since, and velocities as they are from now on.
   const springnet_state& now = engine.model().state.view;
   if (time == engine.model().time) return Between{map(now.position), map(now.velocity)};
+  if (!state_is_of_step) return {};
   return Between{p.transpose(), v.transpose()};
 }
 

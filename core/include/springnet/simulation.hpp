@@ -134,7 +134,8 @@ class SPRINGNET_API Simulation {
   void set_integrator_memory(std::string_view memory);
   // Positions and velocities, columns as in positions(), at a time (s) within the integrator's last step. Empty where
   // it has none: it has no dense output, the time is another one, or an event ended the step. At time() it is the
-  // present state, with changes since the step and velocities after a jump of a prescribed motion.
+  // present state, with changes since the step and velocities after a jump of a prescribed motion; after a change of
+  // positions, velocities or fixed nodes it is known there alone.
   struct Between {
     Eigen::Matrix3Xd positions, velocities;
   };
