@@ -14,14 +14,16 @@
 #include <springnet/printable.hpp>
 #include <springnet/suggestion.hpp>
 
+#include "plugin_host/law_use.hpp"
+
 namespace springnet::layers {
 namespace {
 
 // Calls what(component) for the laws of a material.
 template <class What>
 void for_laws(const Material& material, const PluginHost& plugins, const What& what) {
-  if (material.spring) what(plugins.require(ComponentKind::spring_function, material.spring->id));
-  if (material.viscosity) what(plugins.require(ComponentKind::viscosity_function, material.viscosity->id));
+  if (material.spring) what(component_of(*material.spring, ComponentKind::spring_function, plugins));
+  if (material.viscosity) what(component_of(*material.viscosity, ComponentKind::viscosity_function, plugins));
 }
 
 const springnet_parameter* find_input(const Component& component, std::string_view name) {

@@ -14,6 +14,7 @@
 #include "layers/law_fit.hpp"
 #include "network/corners.hpp"
 #include "plugin_host/call.hpp"
+#include "plugin_host/law_use.hpp"
 #include "plugin_host/message.hpp"
 
 namespace springnet::layers {
@@ -28,7 +29,7 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
             std::vector<double>& parameters, PreparedTables& prepared, std::size_t material) {
   Law law;
   if (!use) return law;
-  law.component = plugins.require(kind, use->id);
+  law.component = component_of(*use, kind, plugins);
   const springnet_component& description = *law.component->description;
   const springnet_law& implementation = law.component->law();
   const std::string where = fmt::format("{} '{}'", name_of(kind), use->id);

@@ -47,8 +47,10 @@ std::vector<PluginUse> plugins_used(const Scene& scene, const PluginHost& plugin
   for (std::size_t k = 0; k < in_use.size(); ++k)
     if (in_use[k]) add(ComponentKind::neuron, scene.network.neurons()[k].id);
   for (const Material& material : scene.network.materials()) {
-    if (material.spring) add(ComponentKind::spring_function, material.spring->id);
-    if (material.viscosity) add(ComponentKind::viscosity_function, material.viscosity->id);
+    // Formulas are of no plugin.
+    const auto is_of_plugin = [](const std::optional<LawUse>& use) { return use && use->component == nullptr; };
+    if (is_of_plugin(material.spring)) add(ComponentKind::spring_function, material.spring->id);
+    if (is_of_plugin(material.viscosity)) add(ComponentKind::viscosity_function, material.viscosity->id);
   }
   std::sort(uses.begin(), uses.end(), [](const PluginUse& a, const PluginUse& b) { return a.id < b.id; });
   return uses;

@@ -11,6 +11,8 @@
 
 #include "layers/law_fit.hpp"
 #include "layers/prepared.hpp"
+#include "plugin_host/law_use.hpp"
+#include "scene/formula.hpp"
 #include "scene/law_tables.hpp"
 
 namespace springnet::scene {
@@ -103,28 +105,31 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
 }
 
 LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
-                const Files& files, LawIsFor purpose) {
+                const Files& files, LawIsFor purpose, std::optional<Invariant> shape) {
   const Table table = law.open_table(schema);
-  LawUse use = read_component(table, "type", kind, plugins, files);
+  const bool is_formula = is_formula_of(table);
+  LawUse use = is_formula ? read_formula(table, kind, shape) : read_component(table, "type", kind, plugins, files);
   if (purpose == LawIsFor::springs) {
-    const std::string wrong = layers::misfit(*plugins.require(kind, use.id));
-    if (!wrong.empty()) table.need("type").fail(fmt::format("'{}' {}", use.id, wrong));
+    const std::string wrong = layers::misfit(*component_of(use, kind, plugins));
+    if (!wrong.empty()) (is_formula ? table.value() : table.need("type")).fail(fmt::format("'{}' {}", use.id, wrong));
   }
   return use;
 }
 
-Material read_material(const Table& table, const PluginHost& plugins, const Files& files, LawIsFor purpose) {
+Material read_material(const Table& table, const PluginHost& plugins, const Files& files, LawIsFor purpose,
+                       std::optional<Invariant> shape) {
   const auto read = [&](std::string_view key, ComponentKind kind) -> std::optional<LawUse> {
     const std::optional<Value> value = table.find(key);
     if (!value) return std::nullopt;
-    return read_law(*value, fmt::format("{}.{}", table.schema(), key), kind, plugins, files, purpose);
+    return read_law(*value, fmt::format("{}.{}", table.schema(), key), kind, plugins, files, purpose, shape);
   };
   return {read("spring", ComponentKind::spring_function), read("viscosity", ComponentKind::viscosity_function)};
 }
 
 ElementCheck::ElementCheck(const Material& material, const PluginHost& plugins) {
-  if (material.spring) laws_.push_back(plugins.require(ComponentKind::spring_function, material.spring->id));
-  if (material.viscosity) laws_.push_back(plugins.require(ComponentKind::viscosity_function, material.viscosity->id));
+  if (material.spring) laws_.push_back(component_of(*material.spring, ComponentKind::spring_function, plugins));
+  if (material.viscosity)
+    laws_.push_back(component_of(*material.viscosity, ComponentKind::viscosity_function, plugins));
 }
 
 void ElementCheck::operator()(const Value& place, const Network& network, ElementIndex element) const {

@@ -26,13 +26,15 @@ namespace springnet::scene {
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});
 
-// A law under the key of a table, for springs, or for elements that are checked when they are known (check_elements).
+// `shape`: that of the elements of a law over several scalars.
+// A law under the key of a table, by its name or as a formula, for springs, or for elements that are checked when they
+// are known (check_elements).
 enum class LawIsFor : std::uint8_t { springs, elements };
 [[nodiscard]] LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
-                              const Files& files, LawIsFor purpose);
+                              const Files& files, LawIsFor purpose, std::optional<Invariant> shape = {});
 // The functions under the keys `spring` and `viscosity` of a table; both are optional.
 [[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins, const Files& files,
-                                     LawIsFor purpose);
+                                     LawIsFor purpose, std::optional<Invariant> shape = {});
 
 // Whether the laws of a material fit elements.
 class ElementCheck {

@@ -118,7 +118,7 @@ std::vector<LawStates> find_law_states(const Network& network, const PluginHost&
     if (!use) return;
     const auto known = [&](const LawStates& each) { return each.kind == kind && each.law == use->id; };
     if (std::any_of(found.begin(), found.end(), known)) return;
-    const auto component = plugins.find(kind, use->id);
+    const auto component = use->component != nullptr ? use->component : plugins.find(kind, use->id);
     if (!component || component->law().state_count == 0) return;
     LawStates law{kind, use->id, {}};
     for (std::uint32_t j = 0; j < component->law().state_count; ++j) {

@@ -208,6 +208,12 @@ std::string Table::path_of(std::string_view key) const {
   return value_.path_.empty() ? std::string(key) : fmt::format("{}.{}", value_.path_, key);
 }
 
+std::vector<std::string> Table::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, node] : *table_) keys.emplace_back(key.str());
+  return keys;
+}
+
 std::optional<Value> Table::find_parameter(std::string_view key) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;

@@ -91,6 +91,8 @@ class Table {
   [[nodiscard]] Value need(std::string_view key) const;
   // Elements of a list of tables; none if the key is missing.
   [[nodiscard]] std::vector<Value> tables(std::string_view key) const;
+  // All keys that are there, in the order of their names.
+  [[nodiscard]] std::vector<std::string> keys() const;
   // A component's parameter, which is not in the list of keys.
   [[nodiscard]] std::optional<Value> find_parameter(std::string_view key) const;
 

@@ -25,7 +25,9 @@ std::vector<std::string> without_energy(const Network& network, const PluginHost
   std::vector<std::string> laws;
   for (const Material& material : network.materials()) {
     if (!material.spring) continue;
-    const auto component = plugins.find(ComponentKind::spring_function, material.spring->id);
+    const auto component = material.spring->component != nullptr
+                               ? material.spring->component
+                               : plugins.find(ComponentKind::spring_function, material.spring->id);
     if (!component || (component->description->capabilities & SPRINGNET_HAS_ENERGY) != 0) continue;
     if (std::find(laws.begin(), laws.end(), material.spring->id) == laws.end()) laws.push_back(material.spring->id);
   }

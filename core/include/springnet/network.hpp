@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,11 +25,15 @@ namespace springnet {
 using RigidIndex = std::uint32_t;
 using ElementIndex = std::uint32_t;
 
+struct Component;
+
 // A component by id, with the parameters that differ from their defaults.
 struct LawUse {
   std::string id;
   ParameterValues parameters;
   TableValues tables{};  // of a law that declares some
+  // The component itself, of a law given as a formula (formula.hpp); else null, and a plugin host has it by its id.
+  std::shared_ptr<const Component> component{};
   friend bool operator==(const LawUse&, const LawUse&) = default;
 };
 

@@ -1,0 +1,186 @@
+// Formulas as components, which all that uses laws takes as it takes those of plugins.
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <deque>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/formula.hpp>
+#include <springnet/printable.hpp>
+
+#include "formula/law.hpp"
+#include "formula/units.hpp"
+#include "plugin_host/message.hpp"
+
+namespace springnet {
+namespace {
+
+using formula::Law;
+
+// "length(0, 1)" and so on.
+springnet_invariant scalar_of(const FormulaScalar& scalar) {
+  struct Kind {
+    std::string_view name;
+    std::uint32_t kind, corners;
+  };
+  constexpr Kind kinds[] = {{"length", SPRINGNET_LENGTH, 2},
+                            {"angle", SPRINGNET_ANGLE, 3},
+                            {"area", SPRINGNET_AREA, 3},
+                            {"volume", SPRINGNET_VOLUME, 4},
+                            {"dihedral", SPRINGNET_DIHEDRAL, 4}};
+  const auto refuse = [&](std::string_view what) {
+    throw Error(ErrorKind::input, fmt::format("scalar '{}': '{}' {}", scalar.name, printable(scalar.of), what));
+  };
+  const formula::Expression written = formula::parse_scalar(scalar.of);
+  const formula::Term& call = written[written.root];
+  for (const Kind& each : kinds) {
+    if (call.name != each.name) continue;
+    if (call.arguments.size() != each.corners)
+      refuse(fmt::format("has {} nodes; {} takes {}", call.arguments.size(), each.name, each.corners));
+    springnet_invariant result{sizeof(springnet_invariant), each.kind, {}, 0, 0};
+    for (std::size_t c = 0; c < call.arguments.size(); ++c) {
+      const double corner = written[call.arguments[c]].number;
+      if (!(corner == std::floor(corner)) || !(corner <= 3.0)) refuse("takes numbers of nodes, 0 to 3");
+      result.corners[c] = static_cast<std::uint32_t>(corner);
+    }
+    return result;
+  }
+  refuse("is none; write length(0, 1), angle(0, 1, 2), area(0, 1, 2), volume(0, 1, 2, 3) or dihedral(0, 1, 2, 3)");
+  return {};
+}
+
+std::uint32_t shape_of(Invariant shape) {
+  switch (shape) {
+    case Invariant::chain:
+      return SPRINGNET_CHAIN;
+    case Invariant::triangle:
+      return SPRINGNET_TRIANGLE;
+    case Invariant::hinge:
+      return SPRINGNET_HINGE;
+    case Invariant::tetrahedron:
+      return SPRINGNET_TETRAHEDRON;
+    default:
+      throw Error(ErrorKind::input,
+                  fmt::format("a law over several scalars is for elements of the shape chain, triangle, hinge or "
+                              "tetrahedron, not {}",
+                              name_of(shape)));
+  }
+}
+
+// The component and all that it points to. Does not move.
+struct FormulaComponent {
+  explicit FormulaComponent(const LawFormula& given) : source(given), law(given) {
+    formula::check_units(given);
+    describe(source.parameters, SPRINGNET_LEARNABLE | SPRINGNET_REQUIRED, parameters, parameter_list);
+    describe(source.inputs, 0, inputs, input_list);
+    for (std::size_t k = 0; k < given.scalars.size(); ++k) {
+      springnet_invariant& one = invariants.emplace_back(scalar_of(given.scalars[k]));
+      if (!law.reads().value[k]) one.flags = SPRINGNET_REFERENCE_ONLY;
+      invariant_list.push_back(&one);
+    }
+    const formula::Reads& reads = law.reads();
+    const bool several = !given.scalars.empty();
+    implementation.struct_size = sizeof implementation;
+    implementation.invariant = several ? std::uint32_t{SPRINGNET_SEVERAL} : reads.invariant;
+    implementation.input_count = static_cast<std::uint32_t>(inputs.size());
+    implementation.update_order = 1;
+    implementation.inputs = input_list.data();
+    implementation.largest_stretch = std::numeric_limits<double>::infinity();
+    implementation.context = &law;
+    implementation.evaluate = [](void* context, const springnet_law_batch* batch) noexcept -> springnet_status {
+      try {
+        static_cast<const Law*>(context)->evaluate(*batch);
+        return SPRINGNET_OK;
+      } catch (const std::exception& error) {
+        if (batch->message != nullptr) set_message(*batch->message, error.what());
+        return SPRINGNET_FAILED;
+      }
+    };
+    if (several) {
+      implementation.shape = shape_of(given.shape);
+      implementation.invariant_count = static_cast<std::uint32_t>(invariants.size());
+      implementation.invariants = invariant_list.data();
+      implementation.reads_direction = reads.direction ? 1 : 0;
+    }
+    component.struct_size = sizeof component;
+    component.kind = static_cast<std::uint32_t>(given.kind);
+    component.id = "formula";
+    component.reference = "";
+    summary = !given.force.empty() ? given.force : !given.energy.empty() ? "energy " + given.energy : "forces";
+    component.summary = summary.c_str();
+    component.capabilities = SPRINGNET_ACTS_IN_COMPRESSION | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES |
+                             SPRINGNET_HAS_PARAMETER_DERIVATIVES;
+    const auto declare = [&](bool has, std::uint64_t capability) {
+      if (has) component.capabilities |= capability;
+    };
+    declare(law.has_energy(), SPRINGNET_HAS_ENERGY);
+    declare(law.has_margin(), SPRINGNET_HAS_RUPTURE);
+    declare(reads.rate, SPRINGNET_READS_RATE);
+    declare(reads.time, SPRINGNET_READS_TIME);
+    declare(!several && reads.invariant == SPRINGNET_LENGTH && reads.fits_elements, SPRINGNET_FITS_ELEMENTS);
+    declare(reads.divides_by_reference, SPRINGNET_DIVIDES_BY_REFERENCE);
+    if (!inputs.empty()) component.needs |= SPRINGNET_NEEDS_INPUTS;
+    if (several) component.needs |= SPRINGNET_NEEDS_SEVERAL;
+    component.parameter_count = static_cast<std::uint32_t>(parameters.size());
+    component.parameters = parameter_list.data();
+    component.implementation = &implementation;
+    plugin = {
+        SPRINGNET_MAGIC, sizeof plugin, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, 0, 1, 0, "formula", "", "", "", list};
+  }
+  FormulaComponent(const FormulaComponent&) = delete;
+  FormulaComponent& operator=(const FormulaComponent&) = delete;
+
+  LawFormula source;
+  Law law;
+  std::string summary;
+  std::deque<springnet_parameter> parameters, inputs;
+  std::deque<springnet_invariant> invariants;
+  std::vector<const springnet_parameter*> parameter_list, input_list;
+  std::vector<const springnet_invariant*> invariant_list;
+  springnet_law implementation{};
+  springnet_component component{};
+  const springnet_component* list[1] = {&component};
+  springnet_plugin plugin{};
+
+ private:
+  // flags: of those without a preset.
+  static void describe(const std::vector<FormulaSymbol>& symbols, std::uint32_t flags,
+                       std::deque<springnet_parameter>& to, std::vector<const springnet_parameter*>& addresses) {
+    for (const FormulaSymbol& each : symbols) {
+      springnet_parameter& parameter = to.emplace_back();
+      parameter.struct_size = sizeof parameter;
+      parameter.type = SPRINGNET_NUMBER;
+      parameter.name = each.name.c_str();
+      parameter.unit = each.unit.empty() ? "1" : each.unit.c_str();
+      parameter.summary = "";
+      parameter.smallest = -std::numeric_limits<double>::infinity();
+      parameter.largest = std::numeric_limits<double>::infinity();
+      parameter.scale = 1.0;
+      parameter.flags = flags;
+      if (!std::isnan(each.preset)) {
+        parameter.flags &= ~std::uint32_t{SPRINGNET_REQUIRED};
+        parameter.default_value = each.preset;
+        if (each.preset != 0.0) parameter.scale = std::abs(each.preset);
+      }
+      addresses.push_back(&parameter);
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<std::string> parameters_of(const LawFormula& formula) { return formula::free_names(formula); }
+
+std::shared_ptr<const Component> component_of(const LawFormula& formula) {
+  const auto owner = std::make_shared<const FormulaComponent>(formula);
+  return std::make_shared<const Component>(Component{&owner->component, &owner->plugin, {}, owner});
+}
+
+LawUse law_of(const LawFormula& formula, const ParameterValues& parameters) {
+  return {"formula", parameters, {}, component_of(formula)};
+}
+
+}  // namespace springnet

@@ -1,0 +1,273 @@
+#include "formula/units.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/printable.hpp>
+
+#include "formula/expression.hpp"
+#include "formula/symbols.hpp"
+
+namespace springnet::formula {
+namespace {
+
+// Exponents of kg, m and s. Angles have none.
+using Unit = std::array<double, 3>;
+using Known = std::optional<Unit>;  // nothing: not known, fits anything
+constexpr Unit none{};
+
+Unit times(const Unit& a, const Unit& b, double power = 1.0) {
+  Unit result = a;
+  for (std::size_t k = 0; k < result.size(); ++k) result[k] += power * b[k];
+  return result;
+}
+Unit raised(const Unit& a, double power) { return times(none, a, power); }
+bool equal(const Unit& a, const Unit& b) {
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (std::abs(a[k] - b[k]) > 1e-9) return false;
+  return true;
+}
+std::string text_of(const Unit& unit) {
+  if (equal(unit, none)) return "1";
+  struct Named {
+    Unit unit;
+    const char* name;
+  };
+  constexpr Named named[] = {{{1, 1, -2}, "N"},     {{1, 0, -2}, "N/m"}, {{1, 2, -2}, "J"},    {{1, -1, -2}, "Pa"},
+                             {{1, 0, -1}, "N s/m"}, {{1, 2, -3}, "W"},   {{1, -1, -1}, "Pa s"}};
+  for (const Named& each : named)
+    if (equal(unit, each.unit)) return each.name;
+  std::string text;
+  constexpr const char* bases[] = {"kg", "m", "s"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (std::abs(unit[k]) < 1e-9) continue;
+    if (!text.empty()) text += ' ';
+    text += bases[k];
+    if (std::abs(unit[k] - 1.0) > 1e-9) text += fmt::format("^{:g}", unit[k]);
+  }
+  return text;
+}
+
+// "N s/m^2", "1/s", "Pa s"; nothing for what is not understood.
+Known read(std::string_view text) {
+  struct Base {
+    std::string_view name;
+    Unit unit;
+  };
+  constexpr Base bases[] = {{"1", none},       {"rad", none},     {"kg", {1, 0, 0}}, {"m", {0, 1, 0}},
+                            {"s", {0, 0, 1}},  {"N", {1, 1, -2}}, {"J", {1, 2, -2}}, {"Pa", {1, -1, -2}},
+                            {"W", {1, 2, -3}}, {"Hz", {0, 0, -1}}};
+  Unit result = none;
+  double side = 1.0;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const char c = text[at];
+    if (c == ' ') {
+      ++at;
+      continue;
+    }
+    if (c == '/') {
+      side = -1.0;
+      ++at;
+      continue;
+    }
+    if (c == '*' || c == '(' || c == ')') {
+      ++at;
+      continue;
+    }
+    std::size_t end = at;
+    while (end < text.size() && std::string_view(" /*()^").find(text[end]) == std::string_view::npos) ++end;
+    const std::string_view name = text.substr(at, end - at);
+    const Base* const found =
+        std::find_if(std::begin(bases), std::end(bases), [&](const Base& each) { return each.name == name; });
+    if (found == std::end(bases)) return std::nullopt;
+    double power = 1.0;
+    if (end < text.size() && text[end] == '^') {
+      const auto [stop, error] = std::from_chars(text.data() + end + 1, text.data() + text.size(), power);
+      if (error != std::errc()) return std::nullopt;
+      end = static_cast<std::size_t>(stop - text.data());
+    }
+    result = times(result, found->unit, side * power);
+    at = end;
+  }
+  return result;
+}
+
+class Checker {
+ public:
+  Checker(const LawFormula& law, const Unit& value) : law_(law), value_(value) {}
+
+  void check(const NamedFormula& named, const Known& wanted) const {
+    const Expression formula = parse(*named.text);
+    std::vector<Known> units;
+    for (const Term& term : formula.terms) units.push_back(of(formula, term, units));
+    const Known& result = units[formula.root];
+    if (result && wanted && !equal(*result, *wanted) && !is_zero(formula, formula.root))
+      throw Error(ErrorKind::input, fmt::format("{}: is in {}, and must be in {}; look at the units of its parameters",
+                                                named.what, text_of(*result), text_of(*wanted)));
+  }
+  [[nodiscard]] Known unit_of_scalar(std::string_view name) const {
+    for (const FormulaScalar& each : law_.scalars) {
+      if (each.name != name) continue;
+      if (each.of.starts_with("length")) return Unit{0, 1, 0};
+      if (each.of.starts_with("area")) return Unit{0, 2, 0};
+      if (each.of.starts_with("volume")) return Unit{0, 3, 0};
+      return none;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static bool is_zero(const Expression& formula, std::uint32_t term) {
+    return formula[term].operation == Operation::number && formula[term].number == 0.0;
+  }
+  [[nodiscard]] Known of_name(const std::string& name) const {
+    const Unit per_time{0, 0, -1};
+    if (name == "time") return Unit{0, 0, 1};
+    if (name == "pi" || name.starts_with("direction_")) return none;
+    for (const auto* list : {&law_.parameters, &law_.inputs})
+      for (const FormulaSymbol& each : *list)
+        if (each.name == name) return each.unit.empty() ? std::nullopt : read(each.unit);
+    if (!law_.scalars.empty()) return unit_of_scalar(name);
+    if (name == "strain" || name == "stretch" || name == "angle") return none;
+    if (name == "strain_rate") return per_time;
+    if (name == "rate") return times(value_, per_time);
+    return value_;
+  }
+  // The unit of both; fails where they differ.
+  Known same(const Expression& formula, const Term& term, const std::vector<Known>& units, std::size_t first) const {
+    Known common;
+    for (std::size_t k = first; k < term.arguments.size(); ++k) {
+      const std::uint32_t a = term.arguments[k];
+      const Known& unit = units[a];
+      if (!unit || is_zero(formula, a)) continue;
+      if (common && !equal(*common, *unit))
+        fail_at(formula.text, formula[a].place,
+                fmt::format("is in {}, and goes with what is in {}", text_of(*unit), text_of(*common)));
+      common = unit;
+    }
+    return common;
+  }
+  Known of(const Expression& formula, const Term& term, const std::vector<Known>& units) const {
+    const auto unit = [&](std::size_t k) -> const Known& { return units[term.arguments[k]]; };
+    switch (term.operation) {
+      case Operation::number:
+        return none;
+      case Operation::name:
+        return of_name(term.name);
+      case Operation::negative:
+        return unit(0);
+      case Operation::sum:
+      case Operation::difference:
+        return same(formula, term, units, 0);
+      case Operation::less:
+      case Operation::less_or_equal:
+        same(formula, term, units, 0);
+        return none;
+      case Operation::product:
+      case Operation::quotient:
+        if (!unit(0) || !unit(1)) return std::nullopt;
+        return times(*unit(0), *unit(1), term.operation == Operation::product ? 1.0 : -1.0);
+      case Operation::power:
+        return power(formula, term, unit(0), unit(1));
+      case Operation::both:
+      case Operation::either:
+      case Operation::negation:
+        return none;
+      case Operation::call:
+        return call(formula, term, units);
+    }
+    return std::nullopt;
+  }
+  Known power(const Expression& formula, const Term& term, const Known& base, const Known& exponent) const {
+    const Term& written = formula[term.arguments[1]];
+    if (exponent && !equal(*exponent, none))
+      fail_at(formula.text, written.place,
+              fmt::format("an exponent is in {}, and must have no unit", text_of(*exponent)));
+    if (!base || equal(*base, none)) return base;
+    if (written.operation == Operation::number) return raised(*base, written.number);
+    if (written.operation == Operation::negative && formula[written.arguments[0]].operation == Operation::number)
+      return raised(*base, -formula[written.arguments[0]].number);
+    fail_at(formula.text, term.place,
+            fmt::format("what is in {} is raised to a power that is not written as a number", text_of(*base)));
+  }
+  Known call(const Expression& formula, const Term& term, const std::vector<Known>& units) const {
+    const std::string& name = term.name;
+    const auto unit = [&](std::size_t k) -> const Known& { return units[term.arguments[k]]; };
+    if (name == "rest") return unit_of_scalar(formula[term.arguments[0]].name);
+    if (name == "rate") {
+      const Known of = unit_of_scalar(formula[term.arguments[0]].name);
+      return of ? Known(times(*of, Unit{0, 0, -1})) : of;
+    }
+    if (name == "if") return same(formula, term, units, 1);
+    if (name == "min" || name == "max" || name == "clamp" || name == "hypot") return same(formula, term, units, 0);
+    if (name == "atan2") {
+      same(formula, term, units, 0);
+      return none;
+    }
+    if (name == "abs") return unit(0);
+    if (name == "sqrt") return unit(0) ? Known(raised(*unit(0), 0.5)) : unit(0);
+    if (name == "cbrt") return unit(0) ? Known(raised(*unit(0), 1.0 / 3.0)) : unit(0);
+    if (name == "pow") return power(formula, term, unit(0), unit(1));
+    if (!is_function(name)) return std::nullopt;  // a curve
+    if (unit(0) && !equal(*unit(0), none))
+      fail_at(formula.text, formula[term.arguments[0]].place,
+              fmt::format("{} takes a number without unit, this is in {}", name, text_of(*unit(0))));
+    return none;
+  }
+
+  const LawFormula& law_;
+  Unit value_;
+};
+
+}  // namespace
+
+void check_units(const LawFormula& law) {
+  const auto declares = [](const FormulaSymbol& each) { return !each.unit.empty(); };
+  for (const auto* list : {&law.parameters, &law.inputs})
+    for (const FormulaSymbol& each : *list)
+      if (declares(each) && !read(each.unit))
+        throw Error(ErrorKind::input,
+                    fmt::format("the unit '{}' of '{}' is not known; write it with kg, m, s, rad, N, J, Pa, W, Hz, as "
+                                "\"N s/m\", \"1/s\", or \"1\" for none",
+                                printable(each.unit), each.name));
+  if (std::none_of(law.parameters.begin(), law.parameters.end(), declares) &&
+      std::none_of(law.inputs.begin(), law.inputs.end(), declares))
+    return;
+  const Unit joule{1, 2, -2};
+  Unit value{0, 1, 0};
+  bool is_speed = false;
+  for (const NamedFormula& each : formulas_of(law)) {
+    for (const Term& term : parse(*each.text).terms) {
+      if (term.operation != Operation::name) continue;
+      if (term.name == "angle") value = none;
+      if (term.name == "area") value = {0, 2, 0};
+      if (term.name == "volume") value = {0, 3, 0};
+      is_speed = is_speed || term.name == "speed";
+    }
+  }
+  if (is_speed) value = {0, 1, -1};
+  const Checker checker(law, value);
+  const Unit force = is_speed ? Unit{1, 1, -2} : times(joule, value, -1.0);
+  std::size_t scalar = 0;
+  for (const NamedFormula& each : formulas_of(law)) {
+    if (each.what == "energy") {
+      checker.check(each, joule);
+    } else if (each.what == "margin") {
+      checker.check(each, none);
+    } else if (law.scalars.empty()) {
+      checker.check(each, force);
+    } else {
+      const Known of = checker.unit_of_scalar(law.scalars[scalar++].name);
+      checker.check(each, of ? Known(times(joule, *of, -1.0)) : of);
+    }
+  }
+}
+
+}  // namespace springnet::formula

@@ -1,0 +1,66 @@
+// Laws given as formulas, in text: no compiler, no plugin. A formula is read once, differentiated, and run over many
+// springs at a time with the mathematics of the SDK; results have the bits of the same formula in a compiled plugin.
+//
+//   springnet::LawFormula fene;
+//   fene.force = "stiffness * e / (1 - (e / limit)^2)";
+//   fene.parameters = {{"stiffness", "N/m"}, {"limit", "m"}};
+//   net.add_material({springnet::law_of(fene, {{"stiffness", 3.0}, {"limit", 0.5}}), std::nullopt});
+//
+// core/docs/formulas.md has the language.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <springnet/export.hpp>
+#include <springnet/network.hpp>
+#include <springnet/plugin_host.hpp>
+
+namespace springnet {
+
+// A parameter or an input signal of a formula.
+struct FormulaSymbol {
+  std::string name;       // lower-case letters, digits and '_', a letter first
+  std::string unit = "";  // SI, as "N/m", "1" for none; empty: not said, and not checked
+  double preset = std::numeric_limits<double>::quiet_NaN();  // nan: a use has to give it; of an input: 0
+};
+// A function given by points, which formulas call by its name: the monotone cubic of Fritsch and Carlson through them,
+// straight beyond the first and the last.
+struct FormulaCurve {
+  std::string name;
+  std::vector<double> x, y;
+};
+// One of the scalars that a law over several of them reads: "length(0, 1)", "angle(0, 1, 2)", "area(0, 1, 2)",
+// "volume(0, 1, 2, 3)", "dihedral(0, 1, 2, 3)" of the nodes of an element.
+struct FormulaScalar {
+  std::string name, of;
+};
+
+struct LawFormula {
+  ComponentKind kind = ComponentKind::spring_function;  // or viscosity_function
+  std::string force;                                    // N, N m, …; empty: the derivative of the energy
+  std::string energy;                                   // J; empty: none
+  std::string margin;                                   // to rupture, 1 when unloaded; empty: none
+  std::vector<FormulaSymbol> parameters, inputs;
+  std::vector<FormulaCurve> curves;
+  // Of a law over several scalars: which, of which elements; `forces` in their order, or empty with an energy.
+  Invariant shape = Invariant::triangle;
+  std::vector<FormulaScalar> scalars;
+  std::vector<std::string> forces;
+};
+
+// Names in the formulas that are none of the language's, of `inputs` and of `curves`, in the order in which they
+// appear: the parameters. Throws Error(input) for a formula that cannot be read.
+[[nodiscard]] SPRINGNET_API std::vector<std::string> parameters_of(const LawFormula& formula);
+
+// The law as a component. Throws Error(input) that says what is wrong, with its column and a caret: a name that is not
+// known, a parameter that no formula reads, units that do not fit, a formula that is too long.
+[[nodiscard]] SPRINGNET_API std::shared_ptr<const Component> component_of(const LawFormula& formula);
+
+// A use of it in a material, with values of its parameters.
+[[nodiscard]] SPRINGNET_API LawUse law_of(const LawFormula& formula, const ParameterValues& parameters);
+
+}  // namespace springnet

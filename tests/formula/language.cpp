@@ -1,0 +1,257 @@
+// The language of formulas: values, priorities, names, and what mistakes are told.
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/formula.hpp>
+#include <springnet/simulation.hpp>
+
+#include "facts.hpp"
+
+using namespace springnet;
+
+namespace {
+
+// The force of a spring of length 1.3 m and rest length 1 m, with a = 2 and b = -3, whose length grows by 0.7 m/s.
+double value_of(const std::string& text, std::vector<FormulaCurve> curves = {}) {
+  LawFormula law;
+  law.force = text + " + 0*(a + b + rate)";
+  law.parameters = {{"a"}, {"b"}};
+  law.curves = std::move(curves);
+  const auto component = component_of(law);
+  const double q = 1.3, rate = 0.7, reference = 1.0, a = 2.0, b = -3.0;
+  const double* parameters[] = {&a, &b};
+  const std::uint32_t strides[] = {0, 0};
+  double force = 0.0;
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = 1;
+  batch.time = 5.0;
+  batch.q = &q;
+  batch.rate = &rate;
+  batch.reference = &reference;
+  batch.parameters = parameters;
+  batch.parameter_strides = strides;
+  batch.force = &force;
+  REQUIRE(component->law().evaluate(component->law().context, &batch) == SPRINGNET_OK);
+  return force;
+}
+
+std::string refusal(const LawFormula& law) {
+  try {
+    static_cast<void>(component_of(law));
+  } catch (const Error& error) {
+    CHECK(error.kind() == ErrorKind::input);
+    return error.what();
+  }
+  return {};
+}
+std::string refusal(const std::string& text) {
+  LawFormula law;
+  law.force = text;
+  law.parameters = {{"stiffness"}, {"limit"}};
+  return refusal(law);
+}
+
+void refused(const std::string& text, const std::string& facts) {
+  const std::string message = refusal(text);
+  INFO(text);
+  INFO(message);
+  CHECK(testing::has_facts(message, facts));
+}
+
+}  // namespace
+
+TEST_CASE("arithmetic has the usual priorities") {
+  CHECK(value_of("1 + 2*3") == 7.0);
+  CHECK(value_of("(1 + 2)*3") == 9.0);
+  CHECK(value_of("8/4/2") == 1.0);
+  CHECK(value_of("8 - 4 - 2") == 2.0);
+  CHECK(value_of("-2^2") == -4.0);
+  CHECK(value_of("2^3^2") == 512.0);
+  CHECK(value_of("2^-1") == 0.5);
+  CHECK(value_of("-a*b") == 6.0);
+  CHECK(value_of("2 - -3") == 5.0);
+  CHECK(value_of("1.5e1 + .5") == 15.5);
+  CHECK(value_of("a^2*b") == -12.0);
+  CHECK(value_of("b^3") == -27.0);
+  CHECK(value_of("a^13") == 8192.0);
+  CHECK(value_of("a^0.5") == doctest::Approx(std::sqrt(2.0)).epsilon(1e-15));
+}
+
+TEST_CASE("names of what a law reads") {
+  CHECK(value_of("e") == doctest::Approx(0.3).epsilon(1e-15));
+  CHECK(value_of("strain") == doctest::Approx(0.3).epsilon(1e-15));
+  CHECK(value_of("stretch") == 1.3);
+  CHECK(value_of("length") == 1.3);
+  CHECK(value_of("value") == 1.3);
+  CHECK(value_of("rest") == 1.0);
+  CHECK(value_of("reference") == 1.0);
+  CHECK(value_of("rate") == 0.7);
+  CHECK(value_of("strain_rate") == 0.7);
+  CHECK(value_of("time") == 5.0);
+  CHECK(value_of("pi") == 3.14159265358979323846);
+}
+
+TEST_CASE("functions, conditions, definitions, comments, curves") {
+  CHECK(value_of("if(a > 1, 10, 20)") == 10.0);
+  CHECK(value_of("if(a <= 1 or not b < -5 and a >= 2, 10, 20)") == 10.0);
+  CHECK(value_of("if(not (a > 1 and b > 1), 10, 20)") == 10.0);
+  CHECK(value_of("min(a, b) + max(a, b) + clamp(7, b, a)") == 1.0);
+  CHECK(value_of("abs(b) + floor(-0.5) + ceil(0.5)") == 3.0);
+  CHECK(value_of("hypot(3, 4) + atan2(0, -1) - pi") == 5.0);
+  CHECK(value_of("pow(a, 3) + sqrt(9) + cbrt(27)") == doctest::Approx(14.0).epsilon(1e-15));
+  CHECK(value_of("x = a + 1; y = x*x; # twice\n y - x") == 6.0);
+  const double one = value_of("sin(1)^2 + cos(1)^2");
+  CHECK(one == doctest::Approx(1.0).epsilon(1e-15));
+  CHECK(value_of("exp(log(a)) + expm1(0) + log1p(0) + log10(100) + tan(0) + asin(0) + acos(1) + atan(0) + sinh(0) + "
+                 "cosh(0) + tanh(0) + erf(0)") == doctest::Approx(5.0).epsilon(1e-15));
+  CHECK(value_of("curve(0.5) + curve(3)", {{"curve", {0.0, 1.0, 2.0}, {0.0, 2.0, 4.0}}}) ==
+        doctest::Approx(7.0).epsilon(1e-14));
+}
+
+TEST_CASE("derivatives where a branch or a slope ends are those of the SDK's numbers") {
+  // Right at the kink of max(e, 0), of a power with the exponent 0, of sqrt at 0.
+  LawFormula law;
+  law.force = "max(e, 0) + sqrt(stiffness*0) + e^limit";
+  law.parameters = {{"stiffness"}, {"limit"}};
+  const auto component = component_of(law);
+  const double q[] = {1.0, 0.7, 1.3}, reference = 1.0, stiffness = 2.0, limit = 0.0;
+  const double* parameters[] = {&stiffness, &limit};
+  const std::uint32_t strides[] = {0, 0};
+  double force[3], by_q[3];
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = 3;
+  batch.q = q;
+  batch.reference = &reference;
+  batch.parameters = parameters;
+  batch.parameter_strides = strides;
+  batch.force = force;
+  batch.force_by_q = by_q;
+  REQUIRE(component->law().evaluate(component->law().context, &batch) == SPRINGNET_OK);
+  CHECK(force[0] == 1.0);
+  CHECK(by_q[0] == 1.0);  // max takes its first argument where both are equal
+  CHECK(by_q[1] == 0.0);
+  CHECK(by_q[2] == 1.0);
+}
+
+TEST_CASE("mistakes are told with their column and a caret") {
+  refused("stiffness * (e", "force: column 13 | '(' is not closed | stiffness * (e | ^");
+  refused("stiffness * e)", "column 14 | closes nothing");
+  refused("stifness * e", "column 1 | 'stifness' is not known | did you mean 'stiffness'");
+  refused("stiffness * e*limit + sine(e)", "column 23 | no function 'sine' | sin");
+  refused("stiffness e", "column 11 | an operator is missing before 'e'");
+  refused("2e + stiffness", "column 2 | '*' is missing");
+  refused("stiffness ** 2", "column 11 | '^'");
+  refused("stiffness *", "column 12 | ends here");
+  refused("* 3", "column 1 | '*' stands where a value is missing");
+  refused("exp", "column 1 | 'exp' is a function | exp(");
+  refused("exp(e, 2)", "column 1 | exp takes 1 argument, not 2");
+  refused("if(e, 1, 2)", "column 4 | a number, not a condition");
+  refused("e < 1", "a condition, not a number");
+  refused("1 + (e < 2)", "a condition, not a number");
+  refused("if(e == 1, 1, 2)", "'==' has no meaning");
+  refused("e ? 1 : 2", "'?' has no meaning | if(");
+  refused("e && 1", "'and'");
+  refused("x = 3;", "column 7 | ends with a definition");
+  refused("x = 3; x = 4; x", "'x' is defined twice");
+  refused("sin = 3; sin", "'sin' is a word of the language");
+  refused("", "no formula");
+  refused("  ", "is empty");
+  refused("stiffness*e + π", "column 15 | 'π' has no meaning");
+  refused("line\n+ unknown", "line 1, column 1 | 'line' is not known");
+  refused("stiffness\n + unknown", "line 2, column 4 | 'unknown' is not known");
+  refused("1e999", "too large");
+  refused("rest(e)", "column 1 | several scalars");
+  refused("angle*area", "column 7 | 'area' does not go with 'angle'");
+  refused("speed", "viscosities");
+  refused("e.b", "column 2 | '.' has no meaning");
+}
+
+TEST_CASE("what a law declares is checked") {
+  LawFormula law;
+  law.force = "stiffness*e";
+  CHECK(testing::has_facts(refusal(law), "'stiffness' is not known"));
+  law.parameters = {{"stiffness"}, {"limit"}};
+  CHECK(testing::has_facts(refusal(law), "parameter 'limit' | no formula of the law reads it"));
+  law.parameters = {{"stiffness"}};
+  CHECK(refusal(law) == "");
+  CHECK(parameters_of(law) == std::vector<std::string>{"stiffness"});
+  law.inputs = {{"stiffness"}};
+  CHECK(testing::has_facts(refusal(law), "input 'stiffness' | given twice"));
+  law.inputs = {{"Drive"}};
+  CHECK(testing::has_facts(refusal(law), "'Drive' | lower case"));
+  law.inputs = {{"time"}};
+  CHECK(testing::has_facts(refusal(law), "input 'time' | have a meaning"));
+  law.inputs.clear();
+  law.energy = "0.5*stiffness*energie^2";
+  CHECK(testing::has_facts(refusal(law), "energy: column 15 | 'energie' is not known"));
+  law.energy = "rate^2";
+  law.force.clear();
+  law.parameters.clear();
+  CHECK(testing::has_facts(refusal(law), "energy | does not depend on rates"));
+  law.energy = "curve(e)";
+  law.curves = {{"curve", {0.0, 0.0}, {1.0, 2.0}}};
+  CHECK(testing::has_facts(refusal(law), "curve 'curve'"));
+}
+
+TEST_CASE("formulas are bounded: length, depth, operations, derivatives") {
+  CHECK(testing::has_facts(refusal(std::string(20'000, ' ') + "e"), "20001 bytes | at most 10000"));
+  CHECK(testing::has_facts(refusal(std::string(500, '(') + "e" + std::string(500, ')')), "more than 100 brackets"));
+  CHECK(testing::has_facts(refusal(std::string(500, '-') + "e"), "more than 100 brackets and signs"));
+  std::string sum = "e";
+  for (int i = 0; i < 1500; ++i) sum += "+e";
+  CHECK(testing::has_facts(refusal(sum), "more than 2000 operations"));
+  // Doubled again and again by definitions: a few words that stand for 2^60 terms are one chain of operations.
+  std::string doubled = "x0 = e;";
+  for (int i = 0; i < 60; ++i)
+    doubled += "x" + std::to_string(i + 1) + " = x" + std::to_string(i) + "*x" + std::to_string(i) + " + sin(x" +
+               std::to_string(i) + ");";
+  doubled += "stiffness*limit*x60";
+  CHECK(refusal(doubled) == "");
+}
+
+TEST_CASE("a simulation with formulas: a FENE chain against its compiled brother") {
+  LawFormula fene;
+  fene.force = "stiffness*e/(1 - (e/limit)^2)";
+  fene.energy = "-0.5*stiffness*limit^2*log1p(-(e/limit)^2)";
+  fene.parameters = {{"stiffness", "N/m"}, {"limit", "m"}};
+  LawFormula dashpot;
+  dashpot.kind = ComponentKind::viscosity_function;
+  dashpot.force = "damping*rate";
+  dashpot.parameters = {{"damping", "N s/m"}};
+  Network net;
+  const MaterialIndex material =
+      net.add_material({law_of(fene, {{"stiffness", 30.0}, {"limit", 0.5}}), law_of(dashpot, {{"damping", 0.2}})});
+  for (int k = 0; k < 5; ++k) {
+    Node node;
+    node.position = {0.3 * k, 0.1 * k * k, 0.0};
+    net.add_node(node);
+    if (k > 0) net.add_spring(static_cast<NodeIndex>(k - 1), static_cast<NodeIndex>(k), material, 0.25);
+  }
+  net.fix(0);
+  net.set_gravity({0, 0, -9.81});
+  const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  const auto at_end = [&](const LawUse& integrator, double time_step) {
+    SimulationOptions options;
+    options.time_step = time_step;
+    options.integrator = integrator;
+    Simulation simulation(net, host, options);
+    const double start = simulation.kinetic_energy() + simulation.potential_energy();
+    CHECK(std::isfinite(start));
+    simulation.advance_to(0.5);
+    return Eigen::Matrix3Xd(simulation.positions());
+  };
+  const Eigen::Matrix3Xd reference = at_end({"cvode", {{"relative_tolerance", 1e-10}}}, 0.05);
+  const auto error = [&](double h) {
+    return (at_end({"recurrent", {{"theta", 0.5}, {"update", 4.0}, {"force_tolerance", 1e-10}}}, h) - reference).norm();
+  };
+  const double coarse = error(2e-3), fine = error(1e-3);
+  CHECK(fine < 1e-3);
+  CHECK(coarse / fine == doctest::Approx(4.0).epsilon(0.1));  // second order, which needs the tangent
+}

@@ -1,0 +1,241 @@
+// Formulas against the same formulas compiled with the SDK: all outputs, to the bit, in every instruction set.
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/formula.hpp>
+#include <springnet/host_laws.hpp>
+#include <springnet/sdk/law.hpp>
+
+#include "layers/instruction_set.hpp"
+
+using namespace springnet;
+
+namespace {
+
+struct Worm : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy, sdk::Margin>;
+  static constexpr const char *id = "worm", *summary = "a chain with a limit, a viscosity, and everything else";
+  static constexpr bool reads_rate = true, reads_time = true, divides_by_reference = true;
+  static constexpr sdk::Parameter parameters[] = {sdk::number("stiffness", "N/m", ""), sdk::number("limit", "m", ""),
+                                                  sdk::number("power", "1", ""), sdk::number("damping", "N s/m", "")};
+  static constexpr sdk::Parameter inputs[] = {sdk::number("drive", "1", "").preset(0)};
+  static auto force(const auto& e, const auto& p) {
+    const auto x = e.elongation() / p[1];
+    const auto stretch = e.q / e.reference;
+    const auto toe = max(e.strain(), 0.0);
+    return p[0] * e.elongation() / (1.0 - x * x) + 0.1 * p[0] * pow(stretch, p[2]) * exp(-0.5 * toe) +
+           p[3] * e.rate * abs(e.rate) + (1.0 + sin(3.0 * e.time)) * e.input(0) - hypot(x, 0.25) * atan2(x, stretch);
+  }
+  static auto energy(const auto& e, const auto& p) {
+    const auto x = e.elongation() / p[1];
+    return -0.5 * p[0] * (p[1] * p[1]) * log1p(-(x * x)) + sqrt(e.q) * cbrt(e.reference);
+  }
+  static auto margin(const auto& e, const auto& p) {
+    return 1.0 - tanh(e.elongation() / p[1]) * clamp(e.strain(), -0.5, 0.5);
+  }
+};
+
+LawFormula worm() {
+  LawFormula law;
+  law.force =
+      "x = e / limit; toe = max(strain, 0);\n"
+      "stiffness*e/(1 - x^2) + 0.1*stiffness*stretch^power*exp(-0.5*toe)  # with a power that is a parameter\n"
+      " + damping*rate*abs(rate) + (1 + sin(3*time))*drive - hypot(x, 0.25)*atan2(x, stretch)";
+  law.energy = "x = e/limit; -0.5*stiffness*(limit*limit)*log1p(-(x^2)) + sqrt(length)*cbrt(rest)";
+  law.margin = "1 - tanh(e/limit)*clamp(strain, -0.5, 0.5)";
+  law.parameters = {{"stiffness"}, {"limit"}, {"power"}, {"damping"}};
+  law.inputs = {{"drive", "", 0.0}};
+  return law;
+}
+
+struct EnergyAlone : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy>;
+  static constexpr const char *id = "energy_alone", *summary = "Morse's potential";
+  static constexpr sdk::Parameter parameters[] = {sdk::number("depth", "J", ""), sdk::number("width", "1/m", "")};
+  static auto energy(const auto& e, const auto& p) {
+    const auto y = 1.0 - exp(-p[1] * e.elongation());
+    return p[0] * (y * y);
+  }
+};
+LawFormula energy_alone() {
+  LawFormula law;
+  law.energy = "depth*(1 - exp(-width*e))^2";
+  law.parameters = {{"depth"}, {"width"}};
+  return law;
+}
+
+struct Sheet : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy>;
+  static constexpr const char *id = "sheet", *summary = "a triangle whose edges and area resist";
+  static constexpr sdk::Shape shape = sdk::Shape::triangle;
+  static constexpr sdk::Scalar invariants[] = {sdk::length_of(0, 1), sdk::length_of(0, 2), sdk::area_of(0, 1, 2),
+                                               sdk::at_rest(sdk::length_of(1, 2))};
+  static constexpr sdk::Parameter parameters[] = {sdk::number("stiffness", "N/m", ""),
+                                                  sdk::number("tension", "N/m", "")};
+  static auto energy(const auto& e, const auto& p) {
+    const auto x = e.q[0] - e.reference[0], y = e.q[1] - e.reference[1];
+    const auto z = e.q[2] / e.reference[2] - 1.0;
+    return 0.5 * p[0] * (x * x + y * y + 0.3 * x * y * z) + p[1] * e.reference[3] * (z * z) * sqrt(e.q[2]);
+  }
+};
+LawFormula sheet() {
+  LawFormula law;
+  law.shape = Invariant::triangle;
+  law.scalars = {{"a", "length(0, 1)"}, {"b", "length(0, 2)"}, {"area", "area(0, 1, 2)"}, {"c", "length(1, 2)"}};
+  law.energy =
+      "x = a - rest(a); y = b - rest(b); z = area/rest(area) - 1;"
+      "0.5*stiffness*(x*x + y*y + 0.3*x*y*z) + tension*rest(c)*z^2*sqrt(area)";
+  law.parameters = {{"stiffness"}, {"tension"}};
+  return law;
+}
+
+// What a law answers to a batch of random arguments, all arrays of all outputs.
+class Answers {
+ public:
+  Answers(const springnet_component& component, std::uint32_t instruction_set, std::size_t count, bool uniform,
+          unsigned seed) {
+    const auto& law = *static_cast<const springnet_law*>(component.implementation);
+    const bool several = law.invariant == SPRINGNET_SEVERAL;
+    const std::size_t V = several ? law.invariant_count : 1, P = component.parameter_count, I = law.input_count;
+    const sdk::JacobianLayout layout{V, P, 0, I};
+    const bool has_energy = (component.capabilities & SPRINGNET_HAS_ENERGY) != 0;
+    const bool has_margin = (component.capabilities & SPRINGNET_HAS_RUPTURE) != 0;
+    std::mt19937 random(seed);
+    const auto numbers = [&](double low, double high) {
+      std::vector<double>& values = memory_.emplace_back(count);
+      for (double& x : values) x = std::uniform_real_distribution<double>(low, high)(random);
+      return values.data();
+    };
+    const auto output = [&](const std::string& name) {
+      names_.push_back(name);
+      outputs_.emplace_back(new std::vector<double>(count, -7.0));
+      return outputs_.back()->data();
+    };
+    springnet_law_batch b{};
+    springnet_message message{};
+    b.struct_size = sizeof b;
+    b.count = static_cast<std::uint32_t>(count);
+    b.instruction_set = instruction_set;
+    b.time = 0.37;
+    b.message = &message;
+    const std::uint32_t stride = uniform ? 0 : 1;
+    std::vector<const double*> parameters, inputs, values, rates, references;
+    const std::vector<std::uint32_t> strides(P + I + 1, stride);
+    for (std::size_t k = 0; k < P; ++k) parameters.push_back(numbers(0.6 + static_cast<double>(k), 2.6));
+    for (std::size_t k = 0; k < I; ++k) inputs.push_back(numbers(-1.0, 1.0));
+    for (std::size_t i = 0; i < V; ++i) {
+      const bool at_rest = several && (law.invariants[i]->flags & SPRINGNET_REFERENCE_ONLY) != 0;
+      values.push_back(at_rest ? nullptr : numbers(0.8, 1.2));
+      rates.push_back(at_rest ? nullptr : numbers(-1.0, 1.0));
+      references.push_back(numbers(0.9, 1.1));
+    }
+    b.parameters = parameters.data();
+    b.parameter_strides = strides.data();
+    b.inputs = inputs.data();
+    b.input_strides = strides.data();
+    if (several) {
+      b.values = values.data();
+      b.rates = (component.capabilities & SPRINGNET_READS_RATE) != 0 ? rates.data() : nullptr;
+      b.references = references.data();
+    } else {
+      b.q = values[0];
+      b.rate = (component.capabilities & SPRINGNET_READS_RATE) != 0 ? rates[0] : nullptr;
+      b.reference = references[0];
+      b.reference_stride = stride;
+    }
+    std::vector<double*> forces, by_parameters, matrix(layout.rows() * layout.columns(false), nullptr);
+    if (several) {
+      for (std::size_t i = 0; i < V; ++i)
+        forces.push_back(values[i] == nullptr ? nullptr : output("force " + std::to_string(i)));
+      b.forces = forces.data();
+    } else {
+      b.force = output("force");
+      b.force_by_q = output("by q");
+      b.force_by_rate = output("by rate");
+      for (std::size_t k = 0; k < P; ++k) by_parameters.push_back(output("by parameter " + std::to_string(k)));
+      b.force_by_parameters = by_parameters.data();
+      if (has_energy) b.energy_by_q = output("energy by q");
+    }
+    if (has_energy) b.energy = output("energy");
+    if (has_margin) b.margin = output("margin");
+    for (std::size_t row = 0; row < layout.rows(); ++row) {
+      if (row == layout.energy() && !has_energy) continue;
+      if (row == layout.margin() && !has_margin) continue;
+      for (std::size_t column = 0; column < layout.columns(false); ++column)
+        matrix[row * layout.columns(false) + column] =
+            output("row " + std::to_string(row) + " column " + std::to_string(column));
+    }
+    b.derivatives = matrix.data();
+    const springnet_status status = law.evaluate(law.context, &b);
+    INFO(std::string(message.text));
+    REQUIRE(status == SPRINGNET_OK);
+  }
+
+  // The first output that differs; "" if there is none. -0 is 0.
+  [[nodiscard]] std::string difference_from(const Answers& other) const {
+    if (names_ != other.names_) return "other outputs";
+    for (std::size_t k = 0; k < names_.size(); ++k)
+      for (std::size_t i = 0; i < outputs_[k]->size(); ++i) {
+        const double a = (*outputs_[k])[i], b = (*other.outputs_[k])[i];
+        if (!(a == b))
+          return names_[k] + " of " + std::to_string(i) + ": " + std::to_string(a) + ", " + std::to_string(b) + " (" +
+                 std::to_string(a - b) + ")";
+      }
+    return {};
+  }
+  [[nodiscard]] double largest(const std::string& name) const {
+    double found = 0.0;
+    for (std::size_t k = 0; k < names_.size(); ++k)
+      if (names_[k] == name)
+        for (const double x : *outputs_[k]) found = std::max(found, std::abs(x));
+    return found;
+  }
+
+ private:
+  std::vector<std::vector<double>> memory_;
+  std::vector<std::unique_ptr<std::vector<double>>> outputs_;
+  std::vector<std::string> names_;
+};
+
+bool is_available(InstructionSet set) {
+  try {
+    return layers::choose_instruction_set(set) == set;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+template <class Compiled>
+void compare(const LawFormula& formula) {
+  const HostComponent compiled = springnet::spring_function(Compiled{});
+  const auto made = component_of(formula);
+  CHECK((made->description->capabilities & ~SPRINGNET_FITS_ELEMENTS) ==
+        (compiled.description().capabilities & ~SPRINGNET_FITS_ELEMENTS));
+  for (const InstructionSet set : {InstructionSet::generic, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!is_available(set)) continue;
+    for (const std::size_t count : {std::size_t{1}, std::size_t{127}, std::size_t{300}}) {
+      for (const bool uniform : {false, true}) {
+        CAPTURE(count);
+        CAPTURE(uniform);
+        const Answers own(*made->description, layers::abi_number(set), count, uniform, 5);
+        const Answers theirs(compiled.description(), layers::abi_number(set), count, uniform, 5);
+        CHECK(own.difference_from(theirs) == "");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a formula has the bits of the compiled law: force, energy, margin and all derivatives") {
+  compare<Worm>(worm());
+}
+TEST_CASE("an energy alone has the bits of the compiled law") { compare<EnergyAlone>(energy_alone()); }
+TEST_CASE("a formula over several scalars has the bits of the compiled law") { compare<Sheet>(sheet()); }

@@ -1,0 +1,55 @@
+// Units of formulas.
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/formula.hpp>
+
+#include "facts.hpp"
+
+using namespace springnet;
+
+namespace {
+
+std::string refusal(const std::string& force, std::vector<FormulaSymbol> parameters, const std::string& energy = "") {
+  LawFormula law;
+  law.force = force;
+  law.energy = energy;
+  law.parameters = std::move(parameters);
+  try {
+    static_cast<void>(component_of(law));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+void refused(const std::string& message, const std::string& facts) {
+  INFO(message);
+  CHECK(testing::has_facts(message, facts));
+}
+
+}  // namespace
+
+TEST_CASE("units that fit are taken") {
+  CHECK(refusal("stiffness*e/(1 - (e/limit)^2)", {{"stiffness", "N/m"}, {"limit", "m"}}) == "");
+  CHECK(refusal("stiffness*e + damping*rate", {{"stiffness", "N/m"}, {"damping", "N s/m"}}) == "");
+  CHECK(refusal("modulus*area_0*strain^1.5", {{"modulus", "Pa"}, {"area_0", "m^2"}}) == "");
+  CHECK(refusal("sqrt(a)*e*cbrt(b)", {{"a", "N^2/m^2"}, {"b", "1"}}) == "");
+  CHECK(refusal("f*exp(-e/l)*if(e > 0, 1, 0)", {{"f", "N"}, {"l", "m"}}, "f*l*(1 - exp(-e/l))") == "");
+  CHECK(refusal("mass*e*frequency^2", {{"mass", "kg"}, {"frequency", "1/s"}}) == "");
+  CHECK(refusal("a*max(e, 0) + b*min(rate, 0)", {{"a", "N/m"}, {"b"}}) == "");  // b: not said
+  CHECK(refusal("a*(e - 0.1)", {{"a"}}) == "");                                 // nothing is said
+}
+
+TEST_CASE("units that do not fit are told with their place") {
+  refused(refusal("stiffness*e/(1 - (e/limit)^2)", {{"stiffness", "N/m"}, {"limit", "1"}}),
+          "column 26 | in m^2 | goes with what is in 1");
+  refused(refusal("stiffness*e", {{"stiffness", "N"}}), "force | is in J | must be in N");
+  refused(refusal("stiffness*(e - 0.1)", {{"stiffness", "N/m"}}), "column 16 | in 1 | in m");
+  refused(refusal("force*exp(e)", {{"force", "N"}}), "column 11 | exp takes a number without unit | in m");
+  refused(refusal("force*e^power", {{"force", "N"}, {"power", "1"}}), "column 8 | a power that is not written");
+  refused(refusal("force*2^limit", {{"force", "N"}, {"limit", "m"}}), "column 9 | exponent is in m");
+  refused(refusal("stiffness*e", {{"stiffness", "N/m"}}, "stiffness*e"), "energy | is in N | must be in J");
+  refused(refusal("stiffness*e", {{"stiffness", "lb/ft"}}), "'lb/ft' of 'stiffness' is not known");
+}
