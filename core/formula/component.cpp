@@ -90,6 +90,28 @@ struct FormulaComponent {
     implementation.inputs = input_list.data();
     implementation.largest_stretch = std::numeric_limits<double>::infinity();
     implementation.context = &law;
+    for (const FormulaState& each : source.states) {
+      springnet_parameter& state = states.emplace_back(number(each.name, each.unit));
+      state.default_value = each.start;
+      if (each.start != 0.0) state.scale = std::abs(each.start);
+      state_list.push_back(&state);
+    }
+    implementation.state_count = static_cast<std::uint32_t>(states.size());
+    implementation.states = state_list.data();
+    if (!states.empty()) {
+      implementation.update_order = 2;
+      implementation.update = [](void* context, const springnet_law_update* update) noexcept -> springnet_status {
+        springnet_message* const message = update->batch->message;
+        try {
+          if (static_cast<const Law*>(context)->update(*update)) return SPRINGNET_OK;
+          if (message != nullptr) set_message(*message, "no internal state satisfies the equation of its step");
+          return SPRINGNET_RECOVERABLE;
+        } catch (const std::exception& error) {
+          if (message != nullptr) set_message(*message, error.what());
+          return SPRINGNET_FAILED;
+        }
+      };
+    }
     implementation.evaluate = [](void* context, const springnet_law_batch* batch) noexcept -> springnet_status {
       try {
         static_cast<const Law*>(context)->evaluate(*batch);
@@ -124,6 +146,7 @@ struct FormulaComponent {
     declare(reads.divides_by_reference, SPRINGNET_DIVIDES_BY_REFERENCE);
     if (!inputs.empty()) component.needs |= SPRINGNET_NEEDS_INPUTS;
     if (several) component.needs |= SPRINGNET_NEEDS_SEVERAL;
+    if (!states.empty()) component.needs |= SPRINGNET_NEEDS_STATES;
     component.parameter_count = static_cast<std::uint32_t>(parameters.size());
     component.parameters = parameter_list.data();
     component.implementation = &implementation;
@@ -136,9 +159,9 @@ struct FormulaComponent {
   LawFormula source;
   Law law;
   std::string summary;
-  std::deque<springnet_parameter> parameters, inputs;
+  std::deque<springnet_parameter> parameters, inputs, states;
   std::deque<springnet_invariant> invariants;
-  std::vector<const springnet_parameter*> parameter_list, input_list;
+  std::vector<const springnet_parameter*> parameter_list, input_list, state_list;
   std::vector<const springnet_invariant*> invariant_list;
   springnet_law implementation{};
   springnet_component component{};
@@ -146,19 +169,23 @@ struct FormulaComponent {
   springnet_plugin plugin{};
 
  private:
+  static springnet_parameter number(const std::string& name, const std::string& unit) {
+    springnet_parameter result{};
+    result.struct_size = sizeof result;
+    result.type = SPRINGNET_NUMBER;
+    result.name = name.c_str();
+    result.unit = unit.empty() ? "1" : unit.c_str();
+    result.summary = "";
+    result.smallest = -std::numeric_limits<double>::infinity();
+    result.largest = std::numeric_limits<double>::infinity();
+    result.scale = 1.0;
+    return result;
+  }
   // flags: of those without a preset.
   static void describe(const std::vector<FormulaSymbol>& symbols, std::uint32_t flags,
                        std::deque<springnet_parameter>& to, std::vector<const springnet_parameter*>& addresses) {
     for (const FormulaSymbol& each : symbols) {
-      springnet_parameter& parameter = to.emplace_back();
-      parameter.struct_size = sizeof parameter;
-      parameter.type = SPRINGNET_NUMBER;
-      parameter.name = each.name.c_str();
-      parameter.unit = each.unit.empty() ? "1" : each.unit.c_str();
-      parameter.summary = "";
-      parameter.smallest = -std::numeric_limits<double>::infinity();
-      parameter.largest = std::numeric_limits<double>::infinity();
-      parameter.scale = 1.0;
+      springnet_parameter& parameter = to.emplace_back(number(each.name, each.unit));
       parameter.flags = flags;
       if (!std::isnan(each.preset)) {
         parameter.flags &= ~std::uint32_t{SPRINGNET_REQUIRED};

@@ -11,6 +11,7 @@
 #include <springnet/suggestion.hpp>
 
 #include "formula/derive.hpp"
+#include "formula/element.hpp"
 
 namespace springnet::formula {
 namespace {
@@ -165,10 +166,24 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
   if (!law.forces.empty() && law.forces.size() != law.scalars.size())
     throw Error(ErrorKind::input, fmt::format("the law has {} forces and reads {} scalars; give one for each",
                                               law.forces.size(), law.scalars.size()));
+  if (!law.states.empty()) {
+    if (several_)
+      throw Error(ErrorKind::input, "a law over several scalars cannot have states; give it none, or one scalar");
+    if (law.states.size() > max_states || law.parameters.size() > max_parameters_beside_states ||
+        law.inputs.size() > max_inputs_beside_states)
+      throw Error(ErrorKind::input,
+                  fmt::format("a formula with states has at most {} of them, {} parameters and {} inputs, not {}, {} "
+                              "and {}; write a plugin",
+                              max_states, max_parameters_beside_states, max_inputs_beside_states, law.states.size(),
+                              law.parameters.size(), law.inputs.size()));
+  }
   const std::vector<Parsed> all = parse_all(law);
   std::vector<const Parsed*> forces;
   for (const Parsed& each : all)
     if (each.what.starts_with("force")) forces.push_back(&each);
+  std::vector<const Parsed*> rates;
+  for (const Parsed& each : all)
+    if (each.what.starts_with("rate of ")) rates.push_back(&each);
   const Parsed* const energy = find(all, "energy");
   const Parsed* const margin = find(all, "margin");
   if (forces.empty() && energy == nullptr)
@@ -182,6 +197,8 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
     static_cast<void>(forces_in(plain, argument, symbols, forces, energy));
     for (const Parsed* each : {energy, margin})
       if (each != nullptr) at(each->what, [&] { return Evaluation(plain, symbols, argument).value(each->formula); });
+    for (const Parsed* each : rates)
+      at(each->what, [&] { return Evaluation(plain, symbols, argument).value(each->formula); });
   }
   reads_ = symbols.reads();
   for (std::size_t k = 0; k < law.parameters.size(); ++k)
@@ -210,11 +227,22 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
   };
   if (energy != nullptr) energy_ = single(energy);
   if (margin != nullptr) margin_ = single(margin);
+  if (!rates.empty())
+    rates_ = quantity(rates.size(), 0, [&](const auto& algebra, const auto& argument) {
+      using Number = decltype(algebra.constant(0.0));
+      std::vector<Number> rows;
+      for (const Parsed* each : rates) rows.push_back(Evaluation(algebra, symbols, argument).value(each->formula));
+      return rows;
+    });
+  if (!rates.empty())
+    for (const Program* each : {&force_.values, &energy_.values, &margin_.values, &rates_.values})
+      if (each->places() > max_element_places)
+        throw Error(ErrorKind::input, "a formula of a law with states has too many operations; write a plugin");
 }
 
 // The arguments of a batch by their columns.
 struct Law::Arguments {
-  static constexpr sdk::JacobianLayout most{SPRINGNET_MOST_INVARIANTS, max_parameters, 0, max_inputs};
+  static constexpr sdk::JacobianLayout most{SPRINGNET_MOST_INVARIANTS, max_parameters, max_states, max_inputs};
   std::array<const double*, most.columns(false)> values{};
   std::array<std::uint32_t, most.columns(false)> strides{};
 
@@ -237,6 +265,7 @@ struct Law::Arguments {
     }
     for (std::size_t k = 0; k < layout.parameters; ++k)
       set(layout.parameter(k), b.parameters[k], b.parameter_strides[k]);
+    for (std::size_t k = 0; k < layout.states; ++k) set(layout.state(k), b.states[k], 1);
     for (std::size_t k = 0; k < layout.inputs; ++k) set(layout.input(k), b.inputs[k], b.input_strides[k]);
     set(layout.time(), &b.time, 0);
     for (std::size_t c = 0; b.direction != nullptr && c < 3; ++c) set(layout.direction(c), b.direction[c], 1);
@@ -291,23 +320,48 @@ void Law::evaluate(const springnet_law_batch& b) const {
   const auto rest = [&](const Quantity& quantity, std::size_t first_row, std::size_t first, const auto& listed) {
     if (quantity.rows == 0) return;
     run_columns(quantity, batch, first, [&](std::size_t row, std::size_t column) {
-      double* const own = listed(column);
+      double* const own = listed(row, column);
       return own != nullptr ? own : in_matrix(first_row + row, column);
     });
-    for (std::size_t column = first; column < columns; ++column) {
-      const double* const own = listed(column);
-      double* const copy = in_matrix(first_row, column);
-      if (own != nullptr && copy != nullptr && own != copy) std::copy_n(own, b.count, copy);
-    }
+    for (std::size_t row = 0; row < quantity.rows; ++row)
+      for (std::size_t column = first; column < columns; ++column) {
+        const double* const own = listed(row, column);
+        double* const copy = in_matrix(first_row + row, column);
+        if (own != nullptr && copy != nullptr && own != copy) std::copy_n(own, b.count, copy);
+      }
   };
-  rest(force_, layout_.force(), several_ ? tangent_columns_ : 0, [&](std::size_t column) -> double* {
-    if (several_ || b.force_by_parameters == nullptr) return nullptr;
-    const std::size_t k = column - layout_.parameter(0);
-    return k < layout_.parameters ? b.force_by_parameters[k] : nullptr;
+  const std::size_t P = layout_.parameters, S = layout_.states;
+  const auto from = [](double* const* list, std::size_t index) { return list == nullptr ? nullptr : list[index]; };
+  // Whether a column is one of `count` from `first_column` on.
+  const auto is_among = [](std::size_t column, std::size_t first_column, std::size_t count) {
+    return column - first_column < count;
+  };
+  rest(force_, layout_.force(), several_ ? tangent_columns_ : 0, [&](std::size_t, std::size_t column) -> double* {
+    if (several_) return nullptr;
+    if (is_among(column, layout_.parameter(0), P)) return from(b.force_by_parameters, column - layout_.parameter(0));
+    if (is_among(column, layout_.state(0), S)) return from(b.force_by_states, column - layout_.state(0));
+    return nullptr;
   });
-  rest(energy_, layout_.energy(), 0,
-       [&](std::size_t column) -> double* { return !several_ && column == layout_.value() ? b.energy_by_q : nullptr; });
-  rest(margin_, layout_.margin(), 0, [](std::size_t) -> double* { return nullptr; });
+  rest(energy_, layout_.energy(), 0, [&](std::size_t, std::size_t column) -> double* {
+    if (several_) return nullptr;
+    if (column == layout_.value()) return b.energy_by_q;
+    if (is_among(column, layout_.state(0), S)) return from(b.energy_by_states, column - layout_.state(0));
+    return nullptr;
+  });
+  rest(margin_, layout_.margin(), 0, [](std::size_t, std::size_t) -> double* { return nullptr; });
+  if (S == 0) return;
+  std::array<double*, max_states> rates{};
+  for (std::size_t k = 0; k < S; ++k) rates[k] = from(b.state_rates, k);
+  if (std::any_of(rates.begin(), rates.end(), [](const double* each) { return each != nullptr; }))
+    run(rates_.values, batch, rates.data());
+  rest(rates_, layout_.state_row(0), 0, [&](std::size_t row, std::size_t column) -> double* {
+    if (column == layout_.value()) return from(b.rates_by_q, row);
+    if (column == layout_.rate()) return from(b.rates_by_rate, row);
+    if (is_among(column, layout_.parameter(0), P))
+      return from(b.rates_by_parameters, row * P + column - layout_.parameter(0));
+    if (is_among(column, layout_.state(0), S)) return from(b.rates_by_states, row * S + column - layout_.state(0));
+    return nullptr;
+  });
 }
 
 }  // namespace springnet::formula

@@ -15,6 +15,8 @@ namespace springnet::formula {
 
 // As layers have room for.
 inline constexpr std::size_t max_parameters = 32, max_inputs = 8;
+// Of a law with states (state_steps.cpp).
+inline constexpr std::size_t max_states = 3, max_parameters_beside_states = 16, max_inputs_beside_states = 4;
 
 class Law {
  public:
@@ -26,8 +28,17 @@ class Law {
   [[nodiscard]] const Reads& reads() const { return reads_; }
   [[nodiscard]] bool has_energy() const { return energy_.rows == 1; }
   [[nodiscard]] bool has_margin() const { return margin_.rows == 1; }
+  [[nodiscard]] const sdk::JacobianLayout& layout() const { return layout_; }
+  [[nodiscard]] const Curves& curves() const { return curves_; }
+  // As lists of steps: outputs are the force, the energy, the margin, or the rates of all states.
+  [[nodiscard]] const Program& force() const { return force_.values; }
+  [[nodiscard]] const Program& energy() const { return energy_.values; }
+  [[nodiscard]] const Program& margin() const { return margin_.values; }
+  [[nodiscard]] const Program& rates() const { return rates_.values; }
   // springnet_law::evaluate.
   void evaluate(const springnet_law_batch& batch) const;
+  // springnet_law::update. False: no state satisfies the equation of its step.
+  [[nodiscard]] bool update(const springnet_law_update& update) const;
 
  private:
   // Forces, the energy or the margin, with their derivatives by the law's arguments, four at a time of one kind.
@@ -62,7 +73,7 @@ class Law {
   std::size_t tangent_columns_ = 1;
   Reads reads_;
   CurvesOf curves_;
-  Quantity force_, energy_, margin_;
+  Quantity force_, energy_, margin_, rates_;
 };
 
 }  // namespace springnet::formula

@@ -31,8 +31,10 @@ constexpr OwnName of_one[] = {{"e", "the value less its reference"},
 constexpr std::string_view of_all[] = {"time", "pi"};
 constexpr std::string_view directions[] = {"direction_0", "direction_1", "direction_2"};
 
-bool is_own_name(std::string_view name) {
-  return std::any_of(std::begin(of_one), std::end(of_one), [&](const OwnName& each) { return each.name == name; }) ||
+// several: of a law over several scalars, which have names of their own.
+bool is_own_name(std::string_view name, bool several) {
+  const auto is_it = [&](const OwnName& each) { return each.name == name; };
+  return (!several && std::any_of(std::begin(of_one), std::end(of_one), is_it)) ||
          std::find(std::begin(of_all), std::end(of_all), name) != std::end(of_all) ||
          std::find(std::begin(directions), std::end(directions), name) != std::end(directions);
 }
@@ -59,6 +61,7 @@ std::vector<NamedFormula> formulas_of(const LawFormula& law) {
         {i < law.scalars.size() ? fmt::format("force of {}", law.scalars[i].name) : "force", &law.forces[i]});
   if (!law.energy.empty()) result.push_back({"energy", &law.energy});
   if (!law.margin.empty()) result.push_back({"margin", &law.margin});
+  for (const FormulaState& each : law.states) result.push_back({"rate of " + each.name, &each.rate});
   return result;
 }
 
@@ -66,7 +69,7 @@ Symbols::Symbols(const LawFormula& law)
     : law_(law),
       several_(!law.scalars.empty()),
       viscosity_(law.kind == ComponentKind::viscosity_function),
-      layout_{several_ ? law.scalars.size() : 1, law.parameters.size(), 0, law.inputs.size()} {
+      layout_{several_ ? law.scalars.size() : 1, law.parameters.size(), law.states.size(), law.inputs.size()} {
   std::set<std::string_view> taken;
   const auto check = [&](std::string_view what, std::string_view name) {
     const auto refuse = [&](std::string_view why) {
@@ -76,12 +79,13 @@ Symbols::Symbols(const LawFormula& law)
       refuse("no name for formulas; give it one of lower-case letters, digits and '_', not that of a function");
     if (std::any_of(name.begin(), name.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
       refuse("names in formulas are in lower case; rename it");
-    if (is_own_name(name)) refuse("formulas have a meaning for this name; choose another one");
+    if (is_own_name(name, several_)) refuse("formulas have a meaning for this name; choose another one");
     if (!taken.insert(name).second) refuse("the name is given twice; rename one");
   };
   for (const FormulaSymbol& each : law.parameters) check("parameter", each.name);
   for (const FormulaSymbol& each : law.inputs) check("input", each.name);
   for (const FormulaCurve& each : law.curves) check("curve", each.name);
+  for (const FormulaState& each : law.states) check("state", each.name);
   for (const FormulaScalar& each : law.scalars) check("scalar", each.name);
   reads_.value.assign(layout_.invariants, false);
   reads_.parameter.assign(law.parameters.size(), false);
@@ -108,6 +112,8 @@ Meaning Symbols::meaning_of(const Expression& formula, const Term& term) {
     reads_.parameter[static_cast<std::size_t>(k)] = true;
     return column(layout_.parameter(static_cast<std::size_t>(k)));
   }
+  if (const std::ptrdiff_t k = index_of(law_.states, name); k >= 0)
+    return column(layout_.state(static_cast<std::size_t>(k)));
   if (const std::ptrdiff_t k = index_of(law_.inputs, name); k >= 0) {
     reads_.input[static_cast<std::size_t>(k)] = true;
     return column(layout_.input(static_cast<std::size_t>(k)));
@@ -181,6 +187,7 @@ std::ptrdiff_t Symbols::curve_of(std::string_view name) const { return index_of(
 void Symbols::fail_unknown(const Expression& formula, const Term& term) const {
   std::vector<std::string> known = names_of(law_.parameters);
   for (const std::string& name : names_of(law_.inputs)) known.push_back(name);
+  for (const FormulaState& each : law_.states) known.push_back(each.name);
   for (const FormulaScalar& each : law_.scalars) known.push_back(each.name);
   if (several_)
     known.insert(known.end(), std::begin(directions), std::end(directions));
@@ -197,9 +204,9 @@ std::vector<std::string> free_names(const LawFormula& law) {
   for (const NamedFormula& each : formulas_of(law)) {
     const Expression formula = parse(*each.text);
     for (const Term& term : formula.terms) {
-      if (term.operation != Operation::name || is_own_name(term.name)) continue;
+      if (term.operation != Operation::name || is_own_name(term.name, !law.scalars.empty())) continue;
       if (index_of(law.inputs, term.name) >= 0 || index_of(law.curves, term.name) >= 0 ||
-          index_of(law.scalars, term.name) >= 0)
+          index_of(law.states, term.name) >= 0 || index_of(law.scalars, term.name) >= 0)
         continue;
       if (std::find(names.begin(), names.end(), term.name) == names.end()) names.push_back(term.name);
     }

@@ -134,6 +134,8 @@ class Checker {
     for (const auto* list : {&law_.parameters, &law_.inputs})
       for (const FormulaSymbol& each : *list)
         if (each.name == name) return each.unit.empty() ? std::nullopt : read(each.unit);
+    for (const FormulaState& each : law_.states)
+      if (each.name == name) return each.unit.empty() ? std::nullopt : read(each.unit);
     if (!law_.scalars.empty()) return unit_of_scalar(name);
     if (name == "strain" || name == "stretch" || name == "angle") return none;
     if (name == "strain_rate") return per_time;
@@ -229,7 +231,7 @@ class Checker {
 }  // namespace
 
 void check_units(const LawFormula& law) {
-  const auto declares = [](const FormulaSymbol& each) { return !each.unit.empty(); };
+  const auto declares = [](const auto& each) { return !each.unit.empty(); };
   for (const auto* list : {&law.parameters, &law.inputs})
     for (const FormulaSymbol& each : *list)
       if (declares(each) && !read(each.unit))
@@ -261,6 +263,12 @@ void check_units(const LawFormula& law) {
       checker.check(each, joule);
     } else if (each.what == "margin") {
       checker.check(each, none);
+    } else if (each.what.starts_with("rate of ")) {
+      for (const FormulaState& state : law.states)
+        if (each.text == &state.rate) {
+          const Known own = state.unit.empty() ? std::nullopt : read(state.unit);
+          checker.check(each, own ? Known(times(*own, Unit{0, 0, -1})) : own);
+        }
     } else if (law.scalars.empty()) {
       checker.check(each, force);
     } else {

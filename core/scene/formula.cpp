@@ -13,7 +13,8 @@
 namespace springnet::scene {
 namespace {
 
-constexpr std::array<std::string_view, 6> own_keys{"formula", "energy", "margin", "inputs", "curves", "scalars"};
+constexpr std::array<std::string_view, 7> own_keys{"formula", "energy", "margin", "inputs",
+                                                   "curves",  "states", "scalars"};
 constexpr std::size_t most_points = 100'000;
 
 // A number, or a text of a number and its unit.
@@ -61,6 +62,28 @@ void read_curves(const Value& curves, LawFormula& law) {
   }
 }
 
+// { name = { rate = "…", start = 0.0 } }
+void read_states(const Value& states, LawFormula& law) {
+  const Table table = states.open_table("states");
+  for (const std::string& name : table.keys()) {
+    const Value value = *table.find_parameter(name);
+    const Table own = value.open_table("state");
+    FormulaState state{name, "", 0.0, ""};
+    const auto rate = own.find_parameter("rate");
+    if (!rate) value.fail("has no 'rate'; write { rate = \"…\", start = 0.0 }");
+    state.rate = rate->prose();
+    if (const auto start = own.find_parameter("start")) {
+      const Quantity quantity = read_quantity(*start);
+      state.start = quantity.value;
+      state.unit = quantity.unit;
+    }
+    for (const std::string& key : own.keys())
+      if (key != "rate" && key != "start")
+        own.find_parameter(key)->fail("is no key of a state, which has 'rate' and 'start'; remove it");
+    law.states.push_back(std::move(state));
+  }
+}
+
 }  // namespace
 
 bool is_formula_of(const Table& table) {
@@ -102,6 +125,7 @@ LawUse read_formula(const Table& table, ComponentKind kind, std::optional<Invari
   if (const auto energy = table.find_parameter("energy")) law.energy = energy->prose();
   if (const auto margin = table.find_parameter("margin")) law.margin = margin->prose();
   if (const auto inputs = table.find_parameter("inputs")) read_inputs(*inputs, law);
+  if (const auto states = table.find_parameter("states")) read_states(*states, law);
   if (const auto curves = table.find_parameter("curves")) read_curves(*curves, law);
   ParameterValues values;
   for (const std::string& name : table.keys()) {

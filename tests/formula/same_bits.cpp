@@ -96,6 +96,37 @@ LawFormula sheet() {
   return law;
 }
 
+struct Relaxing : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy>;
+  static constexpr const char *id = "relaxing", *summary = "two states, an input, a viscosity";
+  static constexpr bool reads_rate = true;
+  static constexpr sdk::Parameter parameters[] = {sdk::number("stiffness", "N/m", ""), sdk::number("tau", "s", "")};
+  static constexpr sdk::Parameter inputs[] = {sdk::number("drive", "m", "").preset(0)};
+  static constexpr sdk::Parameter states[] = {sdk::number("flow", "m", "").preset(0),
+                                              sdk::number("heat", "1", "").preset(0.5)};
+  static auto force(const auto& e, const auto& p) {
+    return p[0] * (e.elongation() - e.state(0)) * (1.0 + 0.1 * e.state(1)) + 0.2 * e.rate;
+  }
+  static auto energy(const auto& e, const auto& p) {
+    const auto x = e.elongation() - e.state(0);
+    return 0.5 * p[0] * (x * x);
+  }
+  static auto state_rates(const auto& e, const auto& p) {
+    const auto x = e.elongation() - e.state(0) + 0.1 * e.input(0);
+    return std::array{x / p[1] * exp(e.state(1)), abs(x) - 0.3 * e.state(1) + 0.01 * e.rate};
+  }
+};
+LawFormula relaxing() {
+  LawFormula law;
+  law.force = "stiffness*(e - flow)*(1 + 0.1*heat) + 0.2*rate";
+  law.energy = "x = e - flow; 0.5*stiffness*(x*x)";
+  law.states = {{"flow", "(e - flow + 0.1*drive)/tau*exp(heat)", 0.0},
+                {"heat", "abs(e - flow + 0.1*drive) - 0.3*heat + 0.01*rate", 0.5}};
+  law.parameters = {{"stiffness"}, {"tau"}};
+  law.inputs = {{"drive", "", 0.0}};
+  return law;
+}
+
 // What a law answers to a batch of random arguments, all arrays of all outputs.
 class Answers {
  public:
@@ -104,7 +135,8 @@ class Answers {
     const auto& law = *static_cast<const springnet_law*>(component.implementation);
     const bool several = law.invariant == SPRINGNET_SEVERAL;
     const std::size_t V = several ? law.invariant_count : 1, P = component.parameter_count, I = law.input_count;
-    const sdk::JacobianLayout layout{V, P, 0, I};
+    const std::size_t S = law.state_count;
+    const sdk::JacobianLayout layout{V, P, S, I};
     const bool has_energy = (component.capabilities & SPRINGNET_HAS_ENERGY) != 0;
     const bool has_margin = (component.capabilities & SPRINGNET_HAS_RUPTURE) != 0;
     std::mt19937 random(seed);
@@ -126,7 +158,7 @@ class Answers {
     b.time = 0.37;
     b.message = &message;
     const std::uint32_t stride = uniform ? 0 : 1;
-    std::vector<const double*> parameters, inputs, values, rates, references;
+    std::vector<const double*> parameters, inputs, states, values, rates, references;
     const std::vector<std::uint32_t> strides(P + I + 1, stride);
     for (std::size_t k = 0; k < P; ++k) parameters.push_back(numbers(0.6 + static_cast<double>(k), 2.6));
     for (std::size_t k = 0; k < I; ++k) inputs.push_back(numbers(-1.0, 1.0));
@@ -136,6 +168,8 @@ class Answers {
       rates.push_back(at_rest ? nullptr : numbers(-1.0, 1.0));
       references.push_back(numbers(0.9, 1.1));
     }
+    for (std::size_t k = 0; k < S; ++k) states.push_back(numbers(-0.1, 0.3));
+    b.states = states.data();
     b.parameters = parameters.data();
     b.parameter_strides = strides.data();
     b.inputs = inputs.data();
@@ -173,9 +207,63 @@ class Answers {
             output("row " + std::to_string(row) + " column " + std::to_string(column));
     }
     b.derivatives = matrix.data();
+    std::vector<double*> of_states[9];
+    const auto list = [&](std::size_t k, std::size_t size, const std::string& name) {
+      for (std::size_t i = 0; i < size; ++i) of_states[k].push_back(output(name + " " + std::to_string(i)));
+      return of_states[k].data();
+    };
+    if (S > 0) {
+      b.force_by_states = list(0, S, "force by state");
+      if (has_energy) b.energy_by_states = list(1, S, "energy by state");
+      b.state_rates = list(2, S, "rate of state");
+      b.rates_by_q = list(3, S, "rate by q");
+      b.rates_by_states = list(4, S * S, "rate by states");
+      b.rates_by_parameters = list(5, S * P, "rate by parameters");
+    }
     const springnet_status status = law.evaluate(law.context, &b);
     INFO(std::string(message.text));
     REQUIRE(status == SPRINGNET_OK);
+    if (S == 0) return;
+    // Steps of both orders.
+    for (const std::uint32_t order : {1u, 2u}) {
+      springnet_law_update u{};
+      u.struct_size = sizeof u;
+      u.order = order;
+      u.batch = &b;
+      u.time_step = 0.3;
+      u.start_q = numbers(0.8, 1.2);
+      u.start_rate = b.rate == nullptr ? nullptr : numbers(-1.0, 1.0);
+      std::vector<const double*> start_inputs;
+      for (std::size_t k = 0; k < I; ++k) start_inputs.push_back(numbers(-1.0, 1.0));
+      u.start_inputs = start_inputs.data();
+      const std::string step = "step of order " + std::to_string(order) + ": ";
+      b.force = output(step + "force");
+      b.force_by_q = output(step + "force by q");
+      b.force_by_rate = output(step + "force by rate");
+      b.energy = has_energy ? output(step + "energy") : nullptr;
+      b.margin = nullptr;
+      b.energy_by_q = nullptr;
+      b.energy_by_states = b.state_rates = b.rates_by_q = b.rates_by_rate = b.rates_by_states = b.rates_by_parameters =
+          nullptr;
+      for (auto& each : of_states) each.clear();
+      b.force_by_states = list(0, S, step + "force by state");
+      b.force_by_parameters = list(1, P, step + "force by parameter");
+      u.next = list(2, S, step + "next");
+      u.next_by_q = list(3, S, step + "next by q");
+      u.next_by_rate = list(4, S, step + "next by rate");
+      u.next_by_states = list(5, S * S, step + "next by states");
+      u.next_by_parameters = list(6, S * P, step + "next by parameters");
+      std::vector<double*> whole(layout.rows() * layout.columns(true), nullptr);
+      for (std::size_t row = 0; row < layout.rows(); ++row) {
+        if ((row == layout.energy() && !has_energy) || row == layout.margin()) continue;
+        for (std::size_t column = 0; column < layout.columns(true); ++column)
+          whole[row * layout.columns(true) + column] =
+              output(step + "row " + std::to_string(row) + " column " + std::to_string(column));
+      }
+      b.derivatives = whole.data();
+      INFO(std::string(message.text));
+      REQUIRE(law.update(law.context, &u) == SPRINGNET_OK);
+    }
   }
 
   // The first output that differs; "" if there is none. -0 is 0.
@@ -238,4 +326,7 @@ TEST_CASE("a formula has the bits of the compiled law: force, energy, margin and
   compare<Worm>(worm());
 }
 TEST_CASE("an energy alone has the bits of the compiled law") { compare<EnergyAlone>(energy_alone()); }
+TEST_CASE("a formula with states has the bits of the compiled law, in steps of both orders too") {
+  compare<Relaxing>(relaxing());
+}
 TEST_CASE("a formula over several scalars has the bits of the compiled law") { compare<Sheet>(sheet()); }

@@ -44,7 +44,7 @@ TEST_CASE("units that fit are taken") {
 
 TEST_CASE("units that do not fit are told with their place") {
   refused(refusal("stiffness*e/(1 - (e/limit)^2)", {{"stiffness", "N/m"}, {"limit", "1"}}),
-          "column 26 | in m^2 | goes with what is in 1");
+          "column 27 | in m^2 | goes with what is in 1");
   refused(refusal("stiffness*e", {{"stiffness", "N"}}), "force | is in J | must be in N");
   refused(refusal("stiffness*(e - 0.1)", {{"stiffness", "N/m"}}), "column 16 | in 1 | in m");
   refused(refusal("force*exp(e)", {{"force", "N"}}), "column 11 | exp takes a number without unit | in m");

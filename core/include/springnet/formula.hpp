@@ -33,6 +33,14 @@ struct FormulaCurve {
   std::string name;
   std::vector<double> x, y;
 };
+// An internal state of a law: it starts at `start` and changes by `rate`, a formula that may read it. Steps are those of
+// the SDK (backward Euler, and its extrapolation of second order).
+struct FormulaState {
+  std::string name;
+  std::string rate;  // per second
+  double start = 0.0;
+  std::string unit = "";
+};
 // One of the scalars that a law over several of them reads: "length(0, 1)", "angle(0, 1, 2)", "area(0, 1, 2)",
 // "volume(0, 1, 2, 3)", "dihedral(0, 1, 2, 3)" of the nodes of an element.
 struct FormulaScalar {
@@ -46,6 +54,7 @@ struct LawFormula {
   std::string margin;                                   // to rupture, 1 when unloaded; empty: none
   std::vector<FormulaSymbol> parameters, inputs;
   std::vector<FormulaCurve> curves;
+  std::vector<FormulaState> states;  // at most 3, of a law over one invariant
   // Of a law over several scalars: which, of which elements; `forces` in their order, or empty with an energy.
   Invariant shape = Invariant::triangle;
   std::vector<FormulaScalar> scalars;
