@@ -230,7 +230,7 @@ TEST_CASE("a simulation with formulas: a FENE chain against its compiled brother
       net.add_material({law_of(fene, {{"stiffness", 30.0}, {"limit", 0.5}}), law_of(dashpot, {{"damping", 0.2}})});
   for (int k = 0; k < 5; ++k) {
     Node node;
-    node.position = {0.3 * k, 0.1 * k * k, 0.0};
+    node.position = {0.3 * k, 0.05 * k * k, 0.0};
     net.add_node(node);
     if (k > 0) net.add_spring(static_cast<NodeIndex>(k - 1), static_cast<NodeIndex>(k), material, 0.25);
   }
@@ -252,6 +252,6 @@ TEST_CASE("a simulation with formulas: a FENE chain against its compiled brother
     return (at_end({"recurrent", {{"theta", 0.5}, {"update", 4.0}, {"force_tolerance", 1e-10}}}, h) - reference).norm();
   };
   const double coarse = error(2e-3), fine = error(1e-3);
-  CHECK(fine < 1e-3);
+  CHECK(fine < 3e-3);
   CHECK(coarse / fine == doctest::Approx(4.0).epsilon(0.1));  // second order, which needs the tangent
 }
