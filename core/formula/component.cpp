@@ -1,4 +1,5 @@
 // Formulas as components, which all that uses laws takes as it takes those of plugins.
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -13,6 +14,7 @@
 
 #include "formula/law.hpp"
 #include "formula/units.hpp"
+#include "plugin_host/check_plugin.hpp"
 #include "plugin_host/message.hpp"
 
 namespace springnet {
@@ -132,6 +134,9 @@ struct FormulaComponent {
     component.id = "formula";
     component.reference = "";
     summary = !given.force.empty() ? given.force : !given.energy.empty() ? "energy " + given.energy : "forces";
+    std::replace_if(
+        summary.begin(), summary.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+    if (summary.size() > 100) summary = "a formula";
     component.summary = summary.c_str();
     component.capabilities = SPRINGNET_ACTS_IN_COMPRESSION | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES |
                              SPRINGNET_HAS_PARAMETER_DERIVATIVES;
@@ -152,6 +157,8 @@ struct FormulaComponent {
     component.implementation = &implementation;
     plugin = {
         SPRINGNET_MAGIC, sizeof plugin, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, 0, 1, 0, "formula", "", "", "", list};
+    if (const PluginCheck check = check_plugin(plugin); !check.wrong.empty())
+      throw Error(ErrorKind::input, check.wrong);
   }
   FormulaComponent(const FormulaComponent&) = delete;
   FormulaComponent& operator=(const FormulaComponent&) = delete;

@@ -1,0 +1,111 @@
+// Laws as formulas in scenes: what the page of formulas shows, and mistakes with their places.
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "facts.hpp"
+#include "scenes.hpp"
+
+using namespace springnet;
+
+namespace {
+
+std::string page_of(const char* path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// A chain with these lines about its springs.
+std::string chain(const std::string& lines) {
+  return simulation +
+         "[[body]]\nname = \"chain\"\nnodes = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]\nsprings = [[0, 1], [1, 2]]\n"
+         "neuron = { type = \"point_mass\", mass = 1.0 }\n" +
+         lines + "\n";
+}
+const std::string sheet =
+    "[[body]]\nname = \"sheet\"\nmesh = { lattice = [3, 3, 1], spacing = 0.5, origin = [0, 0, 5] }\nneuron = { type = "
+    "\"point_mass\", mass = 1.0 }\nspring = { type = \"linear\", stiffness = 0.0 }\n";
+
+void refused(const std::string& text, const std::string& facts) {
+  const std::string message = refusal(text);
+  INFO(message);
+  CHECK(springnet::testing::has_facts(message, facts));
+}
+
+}  // namespace
+
+TEST_CASE("the examples of the page of formulas are parts of scenes") {
+  const std::string page = page_of(FORMULAS_PAGE);
+  std::size_t examples = 0;
+  for (std::size_t begin = page.find("```toml\n"); begin != std::string::npos; begin = page.find("```toml\n", begin)) {
+    begin += 8;
+    const std::string text = page.substr(begin, page.find("```", begin) - begin);
+    const std::size_t tables = std::min(text.find("[["), text.size());
+    const std::string scene = chain(text.substr(0, tables)) + sheet + text.substr(tables);
+    CAPTURE(scene);
+    CHECK(refusal(scene) == "");
+    ++examples;
+  }
+  CHECK(examples >= 3);
+}
+
+TEST_CASE("a formula in a scene: parameters, units, inputs, curves, states") {
+  const Scene scene = parse(chain(
+      "spring = { formula = \"stiffness*e*(1 + drive) + table(e) + flow\", stiffness = \"3 N/m\", inputs = "
+      "[\"drive\"], "
+      "curves = { table = { x = [0, 1], y = [0, 2] } }, states = { flow = { rate = \"-flow/tau + 0*e\", start = 1 } }, "
+      "tau = 0.5 }\nviscosity = { formula = \"damping*speed\", damping = 0.2 }"));
+  const Network& net = scene.network;
+  const Material& material = net.materials()[net.springs()[0].material];
+  REQUIRE(material.spring->component != nullptr);
+  CHECK(material.spring->parameters.at("stiffness") == 3.0);
+  CHECK(material.spring->parameters.at("tau") == 0.5);
+  CHECK(material.spring->component->law().state_count == 1);
+  CHECK(material.spring->component->law().input_count == 1);
+  CHECK(material.viscosity->component->law().invariant == SPRINGNET_RELATIVE_SPEED);
+  // Everywhere where a law stands.
+  const std::string elements =
+      chain("spring = { formula = \"k*e\", k = 1 }\nviscosity = { formula = \"c*rate\", c = 1 }") +
+      "[[connect]]\npairs = [[{ body = \"chain\", node = 0 }, { body = \"chain\", node = 2 }]]\n"
+      "spring = { energy = \"k*e^2\", k = 1 }\n[[element]]\ninvariant = \"angle\"\nnodes = "
+      "[[0, 1, 2]]\nspring = { formula = \"k*(angle - 3)\", k = 1 }\n[[spring]]\nselect = {}\n"
+      "viscosity = { formula = \"c*rate^3\", c = 1 }\n";
+  CHECK(refusal(elements) == "");
+}
+
+TEST_CASE("mistakes in formulas of scenes are told with file, line, column, key and a caret") {
+  refused(
+      chain("spring = { formula = \"stifness*e\", stiffness = 1 }"),
+      "test.toml:9:22 | body.0.spring.formula | force: column 1 | 'stifness' is not known | did you mean 'stiffness' | "
+      "stifness*e");
+  refused(chain("spring = { formula = \"stiffness*e\", stiffness = 1, limit = 2 }"), "parameter 'limit' | no formula");
+  refused(chain("spring = { formula = \"k*e\", k = \"3\" }"), "body.0.spring.k | no unit after the number");
+  refused(chain("spring = { formula = \"k*e\", k = \"N/m\" }"), "body.0.spring.k | a number and its unit");
+  refused(chain("spring = { formula = \"k*e\", k = \"3 N\" }"), "force | is in J | must be in N");
+  refused(chain("spring = { formula = \"k*e\", k = true }"), "body.0.spring.k");
+  refused(chain("spring = { formula = \"k*e\", type = \"linear\", k = 1 }"),
+          "type | cannot be combined with 'formula'");
+  refused(chain("spring = { formula = \"k*e\", k = 1, curves = 3 }"), "body.0.spring.curves | must be a table");
+  refused(chain("spring = { formula = \"f(e)\", curves = { f = { x = [0, 1] } } }"), "curves.f | has no 'y'");
+  refused(chain("spring = { formula = \"f(e)\", curves = { f = { x = [0, 0], y = [1, 2] } } }"), "curve 'f'");
+  refused(chain("spring = { formula = \"e - z\", states = { z = { start = 1 } } }"), "states.z | has no 'rate'");
+  refused(chain("spring = { formula = \"e - z\", states = { z = { rate = \"y\" } } }"),
+          "rate of z: column 1 | 'y' is not");
+  refused(chain("spring = { formula = \"k*angle\", k = 1 }"), "body.0.spring | reads an angle | the length");
+  refused(chain("spring = { formula = \"k*speed\", k = 1 }"), "'speed' is read by viscosities alone");
+  refused(chain("spring = { formula = \"k*e\", k = 1, scalars = { a = \"length(0, 1)\" } }"),
+          "scalars | has no meaning here");
+  const std::string element = chain("spring = { formula = \"k*e\", k = 1 }") + sheet +
+                              "[[element]]\ninvariant = \"triangle\"\nselect = { body = \"sheet\" }\n";
+  refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1 }\n", "element.0.spring | has no 'scalars'");
+  refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1, scalars = { a = \"length(0, 3)\" } }\n",
+          "length(0, 3)");
+  refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1, scalars = { a = \"size(0, 1)\" } }\n",
+          "'size(0, 1)' is none | area(0, 1, 2)");
+  refused(element + "spring = { formula = { b = \"k*a\" }, k = 1, scalars = { a = \"length(0, 1)\" } }\n",
+          "formula.b | no such name");
+}
