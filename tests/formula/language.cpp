@@ -1,6 +1,9 @@
 // The language of formulas: values, priorities, names, and what mistakes are told.
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -214,6 +217,48 @@ TEST_CASE("formulas are bounded: length, depth, operations, derivatives") {
                std::to_string(i) + ");";
   doubled += "stiffness*limit*x60";
   CHECK(refusal(doubled) == "");
+}
+
+TEST_CASE("texts by chance are taken or refused, and what is taken computes") {
+  const char* const words[] = {"e",   "stiffness", "limit", "rate", "time", "1",     "2.5",    "1e9",  "(",
+                               ")",   "+",         "-",     "*",    "/",    "^",     ",",      ";",    "=",
+                               "<",   ">=",        "if(",   "min(", "exp(", "sqrt(", "pow(",   "not ", "and ",
+                               "or ", "pi",        "x",     "x = ", "#",    "\n",    "atan2(", "e)",   "0",
+                               " ",   "strain",    "rest(", "\xff", "π"};
+  std::mt19937 random(7);
+  int taken = 0;
+  for (int i = 0; i < 30'000; ++i) {
+    LawFormula law;
+    const int length = std::uniform_int_distribution<int>(1, 9)(random);
+    for (int k = 0; k < length; ++k)
+      law.force += words[std::uniform_int_distribution<std::size_t>(0, std::size(words) - 1)(random)];
+    law.force += i % 2 == 0 ? "" : "*e + 0*(stiffness + limit)";
+    if (i % 2 != 0) law.parameters = {{"stiffness"}, {"limit"}};
+    std::shared_ptr<const Component> component;
+    try {
+      component = component_of(law);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) FAIL(law.force);
+      continue;
+    }
+    ++taken;
+    const double q[] = {1.0, 1.1, 0.0}, reference = 1.0, rate[] = {0.0, -1.0, 2.0}, one = 1.0;
+    const double* parameters[] = {&one, &one};
+    const std::uint32_t strides[] = {0, 0};
+    double force[3], by_q[3];
+    springnet_law_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = 3;
+    batch.q = q;
+    batch.rate = rate;
+    batch.reference = &reference;
+    batch.parameters = parameters;
+    batch.parameter_strides = strides;
+    batch.force = force;
+    batch.force_by_q = by_q;
+    if (component->law().evaluate(component->law().context, &batch) != SPRINGNET_OK) FAIL(law.force);
+  }
+  CHECK(taken > 300);
 }
 
 TEST_CASE("a simulation with formulas: a FENE chain against its compiled brother") {
