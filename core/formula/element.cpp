@@ -87,6 +87,12 @@ sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curv
       return sdk::tanh(a);
     case Code::erf:
       return sdk::erf(a);
+    case Code::product_sum:
+      return a * b + c;
+    case Code::product_difference:
+      return a * b - c;
+    case Code::difference_product:
+      return c - a * b;
     case Code::power:
       return sdk::pow(a, b);
     case Code::hypot:

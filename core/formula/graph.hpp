@@ -52,7 +52,11 @@ enum class Code : std::uint8_t {
   atan2,
   curve,        // of a table, index: which
   curve_slope,  // its derivative
-  curve_bend    // its second derivative
+  curve_bend,   // its second derivative
+  // Of programs alone: two steps in one loop, each rounded as by itself.
+  product_sum,         // a b + c
+  product_difference,  // a b - c
+  difference_product   // c - a b
 };
 
 struct Step {

@@ -37,7 +37,7 @@ template <class OftenSame>
 [[nodiscard]] Program schedule(const Graph& graph, std::span<const Node> outputs, const OftenSame& often_same);
 
 // Numbers of a tile.
-inline constexpr std::size_t tile_size = 128;
+inline constexpr std::size_t tile_size = 256;
 
 // What evaluates the curve of a table, or its first or second derivative (order), at x.
 class Curves {

@@ -54,6 +54,37 @@ SPRINGNET_INLINE void binary(const Argument& a, const Argument& b, double* out, 
   }
 }
 
+// formula(a b, c). Each operation is rounded: this is no fused multiplication.
+template <class Formula>
+SPRINGNET_INLINE void with_product(const Argument& a, const Argument& b, const Argument& c, double* out,
+                                   std::size_t count, const Formula& formula) {
+  const double* __restrict x = a.values;
+  const double* __restrict y = b.values;
+  const double* __restrict w = c.values;
+  double* __restrict z = out;
+  if (a.stride == 0 || count == 1) {  // what is the same for all, or comes in an unusual order
+    const std::size_t dx = a.stride, dy = b.stride, dw = c.stride;
+    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i * dx] * y[i * dy], w[i * dw]);
+  } else if (b.stride == 0) {
+    const double factor = *y;
+    if (c.stride == 0) {
+      const double term = *w;
+      SPRINGNET_INDEPENDENT_ITERATIONS
+      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, term);
+    } else {
+      SPRINGNET_INDEPENDENT_ITERATIONS
+      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, w[i]);
+    }
+  } else if (c.stride == 0) {
+    const double term = *w;
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], term);
+  } else {
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], w[i]);
+  }
+}
+
 class Machine {
  public:
   SPRINGNET_INLINE static void run(const Call& call) {
@@ -100,7 +131,16 @@ class Machine {
       else
         ++varying;
     }
+    // Where an output is computed tile by tile, it is written to its array at once.
+    const auto first_of = [&](std::size_t k) {
+      const Place place = program.outputs[k];
+      for (std::size_t other = 0; other < k; ++other)
+        if (program.outputs[other] == place && call.outputs[other] != nullptr) return false;
+      return call.outputs[k] != nullptr && place >= first_slot && varies[place] != 0;
+    };
     for (std::size_t begin = 0; begin < call.batch.count; begin += tile_size) {
+      for (std::size_t k = 0; k < program.outputs.size(); ++k)
+        if (first_of(k)) at[program.outputs[k]] = call.outputs[k] + begin;
       const std::size_t count = std::min(tile_size, call.batch.count - begin);
       const auto argument = [&](Place place) -> Argument {
         const std::size_t stride = varies[place] != 0 ? 1 : 0;
@@ -109,14 +149,15 @@ class Machine {
       if (varying > 0) {
         for (const ProgramStep& step : program.steps) {
           if (varies[step.to] == 0) continue;
-          run_step(step, argument(step.a), argument(step.b), argument(step.c),
-                   slots + (step.to - first_slot) * tile_size, count, call.batch.curves);
+          run_step(step, argument(step.a), argument(step.b), argument(step.c), const_cast<double*>(at[step.to]), count,
+                   call.batch.curves);
         }
       }
       for (std::size_t k = 0; k < program.outputs.size(); ++k) {
         if (call.outputs[k] == nullptr) continue;
         const Argument from = argument(program.outputs[k]);
         double* const out = call.outputs[k] + begin;
+        if (from.values == out) continue;
         if (from.stride == 0)
           std::fill_n(out, count, *from.values);
         else
@@ -129,6 +170,9 @@ class Machine {
   SPRINGNET_INLINE static unsigned arguments_of(Code code) {
     switch (code) {
       case Code::choose:
+      case Code::product_sum:
+      case Code::product_difference:
+      case Code::difference_product:
         return 3;
       case Code::sum:
       case Code::difference:
@@ -181,6 +225,12 @@ class Machine {
         return one([](double v) { return 1.0 - v; });
       case Code::choose:
         return choose(a, b, c, out, count);
+      case Code::product_sum:
+        return with_product(a, b, c, out, count, [](double product, double w) { return product + w; });
+      case Code::product_difference:
+        return with_product(a, b, c, out, count, [](double product, double w) { return product - w; });
+      case Code::difference_product:
+        return with_product(a, b, c, out, count, [](double product, double w) { return w - product; });
       case Code::absolute:
         return one([](double v) { return std::abs(v); });
       case Code::floor:
