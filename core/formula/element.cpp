@@ -131,7 +131,5 @@ template void evaluate_element(const Program&, const Curves&, const sdk::Dual<3>
 template void evaluate_element(const Program&, const Curves&, const sdk::Dual<4>*, sdk::Dual<4>*);
 template void evaluate_element(const Program&, const Curves&, const sdk::Dual<5>*, sdk::Dual<5>*);
 template void evaluate_element(const Program&, const Curves&, const sdk::Dual<6>*, sdk::Dual<6>*);
-template void evaluate_element(const Program&, const Curves&, const sdk::Dual<7>*, sdk::Dual<7>*);
-template void evaluate_element(const Program&, const Curves&, const sdk::Dual<8>*, sdk::Dual<8>*);
 
 }  // namespace springnet::formula

@@ -16,7 +16,7 @@ namespace springnet::formula {
 // As layers have room for.
 inline constexpr std::size_t max_parameters = 32, max_inputs = 8;
 // Of a law with states (state_steps.cpp).
-inline constexpr std::size_t max_states = 3, max_parameters_beside_states = 8, max_inputs_beside_states = 2;
+inline constexpr std::size_t max_states = 2, max_parameters_beside_states = 8, max_inputs_beside_states = 2;
 
 class Law {
  public:

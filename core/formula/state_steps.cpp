@@ -173,10 +173,8 @@ bool Law::update(const springnet_law_update& given) const {
   switch (layout_.states) {
     case 1:
       return step<1>(*this, given);
-    case 2:
-      return step<2>(*this, given);
     default:
-      return step<3>(*this, given);
+      return step<2>(*this, given);
   }
 }
 

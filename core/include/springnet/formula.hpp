@@ -54,7 +54,7 @@ struct LawFormula {
   std::string margin;                                   // to rupture, 1 when unloaded; empty: none
   std::vector<FormulaSymbol> parameters, inputs;
   std::vector<FormulaCurve> curves;
-  std::vector<FormulaState> states;  // at most 3, of a law over one invariant
+  std::vector<FormulaState> states;  // at most 2, of a law over one invariant
   // Of a law over several scalars: which, of which elements; `forces` in their order, or empty with an energy.
   Invariant shape = Invariant::triangle;
   std::vector<FormulaScalar> scalars;
