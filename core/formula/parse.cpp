@@ -287,7 +287,8 @@ class Parser {
     skip();
     if (place_ < text_.size() && text_[place_] == '(') return call(name, place);
     if (const auto defined = definitions_.find(name); defined != definitions_.end()) return defined->second;
-    if (find_function(name) != nullptr) fail(place, fmt::format("'{0}' is a function; write {0}(…)", name));
+    if (find_function(name) != nullptr && name != "rest" && name != "rate")
+      fail(place, fmt::format("'{0}' is a function; write {0}(…)", name));
     const std::uint32_t term = add(Operation::name, place);
     result_.terms[term].name = name;
     return term;
