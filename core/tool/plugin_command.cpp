@@ -451,11 +451,12 @@ void add_show(CLI::App& parent, Action& action) {
 }  // namespace
 
 void add_plugin(CLI::App& app, Action& action) {
-  CLI::App* const command =
-      app.add_subcommand("plugin", "List the available laws, neurons and integrators, or describe one");
+  CLI::App* const command = app.add_subcommand(
+      "plugin", "List the available laws, neurons and integrators, describe one, or start a new one");
   command->require_subcommand(1);
   add_list(*command, action);
   add_show(*command, action);
+  add_plugin_new(*command, action);
 }
 
 }  // namespace springnet::tool
