@@ -394,11 +394,12 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
     const std::string near = suggestion(id, known);
-    throw Error(
-        ErrorKind::plugin,
-        fmt::format("there is no component '{}'{}{}; 'springnet plugin list' lists all components, and the files that "
-                    "were refused",
-                    printable(id), near.empty() ? "" : "; ", near));
+    std::string message = fmt::format("there is no component '{}'{}{}; 'springnet plugin list' lists all components",
+                                      printable(id), near.empty() ? "" : "; ", near);
+    if (!host->refusals().empty()) message += "\nRefused plugins:";
+    for (const Refusal& refusal : host->refusals())
+      message += fmt::format("\n  {}: {}", shown(refusal.file), refusal.reason);
+    throw Error(ErrorKind::plugin, message);
   }
   if (json) {
     Json components = Json::array();
