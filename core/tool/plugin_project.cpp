@@ -116,7 +116,7 @@ springnet(plugin show {name} --kind {kind} --plugins ${{PLUGINS}})
 # It keeps the rules of its kind, if this springnet checks them.
 execute_process(COMMAND ${{TOOL}} plugin check --help OUTPUT_VARIABLE help ERROR_QUIET)
 if(help MATCHES "plugin check")
-  springnet(plugin check {name} --plugins ${{PLUGINS}})
+  springnet(plugin check {checked} --plugins ${{PLUGINS}})
 endif()
 
 # Its motion is that of the reference.
@@ -136,7 +136,10 @@ file(WRITE ${{OUTPUT}}/other.toml "${{other}}")
 springnet(run ${{scene}} --plugins ${{PLUGINS}} --quiet --output ${{OUTPUT}}/own)
 springnet(run ${{OUTPUT}}/other.toml --quiet --output ${{OUTPUT}}/other)
 execute_process(COMMAND ${{CMAKE_COMMAND}} -E compare_files ${{OUTPUT}}/own/trajectory.csv ${{OUTPUT}}/other/trajectory.csv
-  COMMAND_ERROR_IS_FATAL ANY)
+  RESULT_VARIABLE different)
+if(different)
+  message(FATAL_ERROR "{name} has not the bits of {what}: trajectory.csv differs in ${{OUTPUT}}/own and ${{OUTPUT}}/other")
+endif()
 )";
 
 constexpr std::string_view scene_text =
@@ -339,7 +342,9 @@ std::string formula_in_scene(const PluginProject& project) {
 }
 
 std::string test_of(const PluginProject& project) {
-  std::string text = fmt::format(test_start, fmt::arg("name", project.name), fmt::arg("kind", kind_word(project.kind)));
+  std::string text = fmt::format(test_start, fmt::arg("name", project.name), fmt::arg("kind", kind_word(project.kind)),
+                                 // A law with the parameters of the scene, because a formula may hold for few others.
+                                 fmt::arg("checked", is_law(project) ? "${scene}" : project.name.c_str()));
   const bool neuron = project.kind == ComponentKind::neuron;
   if (project.kind == ComponentKind::integrator) return text;
   return text + fmt::format(test_same, fmt::arg("name", project.name),
