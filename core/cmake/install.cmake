@@ -34,7 +34,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/sdk/template/ DESTINATION ${CMAKE_INSTAL
 install(EXPORT springnetSdkTargets NAMESPACE springnet:: DESTINATION ${package_folder})
 install(EXPORT springnetTargets NAMESPACE springnet:: DESTINATION ${package_folder})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/springnetConfig.cmake.in
-  ${PROJECT_BINARY_DIR}/springnetConfig.cmake INSTALL_DESTINATION ${package_folder})
+  ${PROJECT_BINARY_DIR}/springnetConfig.cmake INSTALL_DESTINATION ${package_folder}
+  PATH_VARS CMAKE_INSTALL_BINDIR)
 # Before version 1.0 the C++ interface may change with every minor version. Plugins have a version of their own (the
 # ABI's), which the host checks when it loads them.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/springnetConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -79,8 +79,8 @@ std::string judge(const std::optional<Version>& note) {
         note->abi_major, note->abi_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, rebuild,
         note->abi_major);
   if (note->needs_minor > SPRINGNET_ABI_MINOR)
-    return fmt::format("it needs plugin ABI {}.{}, this springnet has {}.{}: use a newer springnet", note->abi_major,
-                       note->needs_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR);
+    return fmt::format("it needs plugin ABI {}.{}, this springnet has {}.{}: use a newer springnet, or {}",
+                       note->abi_major, note->needs_minor, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, rebuild);
   return {};
 }
 

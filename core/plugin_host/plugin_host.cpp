@@ -41,6 +41,11 @@ struct PluginHost::Impl {
   std::vector<std::shared_ptr<const Component>> components;
   std::vector<Refusal> refusals;
   std::set<fs::path> seen;  // canonical names of the files examined
+  struct Searched {
+    fs::path folder;
+    std::size_t files;  // with the ending of plugins
+  };
+  std::vector<Searched> searched;  // folders, in their order, each once
 
   // `id` may say whose: "linear@org.example".
   [[nodiscard]] std::vector<std::shared_ptr<const Component>> all(ComponentKind kind, std::string_view id) const {
@@ -58,6 +63,18 @@ struct PluginHost::Impl {
     refusals.push_back({file, printable_message(reason)});
     return false;
   }
+
+  // A folder, or an entry of a list of folders, that was not searched.
+  void ignore_folder(const fs::path& folder, const std::string& reason) {
+    const auto is_it = [&](const Refusal& each) { return each.file == folder; };
+    if (std::none_of(refusals.begin(), refusals.end(), is_it)) refuse(folder, reason);
+  }
+
+  // origin: who names the folder, for messages; empty: the program.
+  void search(const fs::path& folder, std::string_view origin);
+  bool load(const fs::path& file);
+  [[nodiscard]] std::string where_it_searched() const;
+  [[nodiscard]] std::string refused_files(std::string_view id) const;
 
   // Takes all components of the plugin or none: half a plugin would hide that something is wrong. Those that need a
   // newer host are named as refused.
@@ -106,12 +123,12 @@ PluginHost PluginHost::with_default_search(const std::vector<fs::path>& folders)
     rest.remove_prefix(std::min(rest.size(), entry.size() + 1));
     if (entry.empty()) continue;
     if (fs::path(entry).is_relative()) {
-      host.impl_->refuse(entry,
-                         "SPRINGNET_PLUGIN_PATH names a relative folder, which depends on the working "
-                         "directory: give an absolute path");
+      host.impl_->ignore_folder(entry,
+                                "SPRINGNET_PLUGIN_PATH names a relative folder, which depends on the working "
+                                "directory, so it was not searched: give an absolute path");
       continue;
     }
-    host.search(entry);
+    host.impl_->search(entry, "SPRINGNET_PLUGIN_PATH");
   }
 
   const std::vector<fs::path> own = own_plugin_folders();
@@ -126,36 +143,45 @@ PluginHost PluginHost::with_default_search(const std::vector<fs::path>& folders)
   return host;
 }
 
-void PluginHost::search(const fs::path& folder) {
-  std::error_code failed;
+void PluginHost::search(const fs::path& folder) { impl_->search(folder, {}); }
+
+void PluginHost::Impl::search(const fs::path& folder, std::string_view origin) {
+  std::error_code failed, unknown;
   std::vector<fs::path> files;
   const std::string ending = ".springnet" + library_suffix();
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     if (entry->path().filename().string().ends_with(ending)) files.push_back(entry->path());
   }
   if (failed) {
-    impl_->refuse(folder,
-                  fmt::format("the folder cannot be read ({}): check its name and its permissions", failed.message()));
-    return;
+    const std::string named = origin.empty() ? "" : fmt::format(", which {} names,", origin);
+    if (fs::is_regular_file(folder, unknown))
+      return ignore_folder(folder, fmt::format("the folder{} cannot be read (it is a file): name the folder that the "
+                                               "file is in",
+                                               named));
+    return ignore_folder(folder, fmt::format("the folder{} cannot be read ({}): check its name and its permissions",
+                                             named, failed.message()));
   }
+  const auto is_it = [&](const Searched& each) { return fs::equivalent(each.folder, folder, unknown); };
+  if (std::none_of(searched.begin(), searched.end(), is_it)) searched.push_back({folder, files.size()});
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {
     const fs::path real = fs::weakly_canonical(file, failed);
-    if (impl_->seen.count(failed ? file : real) == 0) load(file);
+    if (seen.count(failed ? file : real) == 0) load(file);
   }
 }
 
-bool PluginHost::load(const fs::path& file) {
+bool PluginHost::load(const fs::path& file) { return impl_->load(file); }
+
+bool PluginHost::Impl::load(const fs::path& file) {
   std::error_code failed;
   const fs::path real = fs::canonical(file, failed);
   if (failed) {
-    return impl_->refuse(file,
-                         fmt::format("cannot be opened ({}): check its name and its permissions", failed.message()));
+    return refuse(file, fmt::format("cannot be opened ({}): check its name and its permissions", failed.message()));
   }
-  impl_->seen.insert(real);
+  seen.insert(real);
   OpenedLibrary opened = open_library(file);
-  if (opened.entry == nullptr) return impl_->refuse(file, opened.reason);
-  return impl_->take(*opened.entry, file);
+  if (opened.entry == nullptr) return refuse(file, opened.reason);
+  return take(*opened.entry, file);
 }
 
 bool PluginHost::add(const springnet_plugin& plugin) { return impl_->take(plugin, {}); }
@@ -187,35 +213,62 @@ std::shared_ptr<const Component> PluginHost::find(ComponentKind kind, std::strin
   throw Error(ErrorKind::plugin, message);
 }
 
+// "\nSearched: /a (2 plugin files), /b (no plugin file)".
+std::string PluginHost::Impl::where_it_searched() const {
+  std::string text;
+  for (const Searched& each : searched) {
+    const std::string files = each.files == 0 ? "no" : fmt::format("{}", each.files);
+    text += fmt::format("{}{} ({} plugin file{})", text.empty() ? "\nSearched: " : ", ",
+                        printable(each.folder.string(), max_path_length), files, each.files > 1 ? "s" : "");
+  }
+  return text;
+}
+
+// A line for each refusal; first of files whose name has the id that is missing.
+std::string PluginHost::Impl::refused_files(std::string_view id) const {
+  const std::string_view name = id.substr(0, id.find('@'));
+  std::string text;
+  for (const bool likely : {true, false}) {
+    for (const Refusal& refusal : refusals) {
+      if ((refusal.file.filename().string().find(name) != std::string::npos) != likely) continue;
+      text += fmt::format(
+          "\n  {}: {}",
+          refusal.file.empty() ? "(registered in the program)" : printable(refusal.file.string(), max_path_length),
+          refusal.reason);
+    }
+  }
+  return text.empty() ? text : "\nRefused plugins:" + text;
+}
+
 std::shared_ptr<const Component> PluginHost::require(ComponentKind kind, std::string_view id) const {
   if (auto found = find(kind, id)) return found;
+  const std::string_view name = id.substr(0, id.find('@'));
   std::vector<std::string> known;
-  std::string elsewhere;
+  std::string elsewhere, of_others;
   for (const auto& component : impl_->components) {
-    if (component->kind() == kind)
+    if (component->kind() == kind) {
       known.emplace_back(component->id());
-    else if (component->id() == id)
-      elsewhere = fmt::format(" ('{}' is a {})", printable(id), name_of(component->kind()));
+      if (name != id && component->id() == name)
+        of_others += fmt::format("{} '{}@{}'", of_others.empty() ? "" : " or", name, printable(component->plugin->id));
+    } else if (component->id() == name) {
+      elsewhere = fmt::format(" ('{}' is a {})", printable(name), name_of(component->kind()));
+    }
   }
   std::string message = fmt::format("there is no {} '{}'{}", name_of(kind), printable(id), elsewhere);
-  if (const std::string nearest = suggestion(id, known); !nearest.empty()) message += "; " + nearest;
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  if (!of_others.empty())
+    message += fmt::format("; did you mean{}?", of_others);
+  else if (const std::string nearest = suggestion(name, known); !nearest.empty())
+    message += "; " + nearest;
   if (known.empty()) {
     message +=
         fmt::format("; no plugin offers any {}: set SPRINGNET_PLUGIN_PATH to the folder of the plugins", name_of(kind));
   } else {
-    std::sort(known.begin(), known.end());
     message += message.ends_with('?') ? " known: " : "; known: ";
     for (std::size_t i = 0; i < known.size(); ++i) message += (i == 0 ? "" : ", ") + known[i];
   }
-  for (std::size_t i = 0; i < impl_->refusals.size(); ++i) {
-    const Refusal& refusal = impl_->refusals[i];
-    if (i == 0) message += "\nRefused plugins:";
-    message += fmt::format(
-        "\n  {}: {}",
-        refusal.file.empty() ? "(registered in the program)" : printable(refusal.file.string(), max_path_length),
-        refusal.reason);
-  }
-  throw Error(ErrorKind::plugin, message);
+  throw Error(ErrorKind::plugin, message + impl_->where_it_searched() + impl_->refused_files(id));
 }
 
 }  // namespace springnet

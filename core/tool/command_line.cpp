@@ -13,6 +13,7 @@ constexpr const char* footer = R"(Examples:
   springnet validate cube/cube.toml            compares it with CVODE
   springnet inspect cube/cube.toml             describes the network
   springnet plugin show linear                 describes a law, its parameters and bounds
+  springnet plugin new my_law --kind spring    writes a plugin with a law of its own
 
 Exit status:
   0 done   1 the simulation failed or a tolerance was not met   2 usage or scene   3 plugin

@@ -20,5 +20,7 @@ void add_validate(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_plugin(CLI::App& app, Action& action);
+// To `springnet plugin`.
+void add_plugin_new(CLI::App& parent, Action& action);
 
 }  // namespace springnet::tool

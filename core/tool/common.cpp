@@ -129,41 +129,56 @@ std::vector<std::string> PluginArguments::empty_folders() const {
   return notes;
 }
 
-bool PluginArguments::matters(const Refusal& refusal, const PluginHost& host, const Scene& scene,
-                              std::string_view integrator) const {
+bool PluginArguments::is_named(const std::filesystem::path& folder) const {
+  return std::any_of(folders.begin(), folders.end(),
+                     [&](const auto& each) { return each == folder || each == folder / ""; });
+}
+
+bool PluginArguments::would_matter(const Refusal& refusal, const PluginHost& host, const Scene& scene,
+                                   std::string_view integrator) {
   // The file may be valid by itself, and refused because other plugins already provide its components.
   PluginHost alone;
-  if (alone.load(refusal.file)) {
-    const auto& components = alone.components();
-    return std::any_of(components.begin(), components.end(), [&](const auto& own) {
-      const auto other = host.find(own->kind(), own->id());
-      if (!other || is_same(*own->plugin, *other->plugin)) return false;
-      return uses(scene, *own) || (own->kind() == ComponentKind::integrator && own->id() == integrator);
-    });
-  }
-  return std::any_of(folders.begin(), folders.end(), [&](const std::filesystem::path& folder) {
-    return refusal.file == folder || refusal.file.parent_path() == folder || refusal.file.parent_path() / "" == folder;
+  if (!alone.load(refusal.file)) return false;
+  const auto& components = alone.components();
+  return std::any_of(components.begin(), components.end(), [&](const auto& own) {
+    const auto other = host.find(own->kind(), own->id());
+    if (!other || is_same(*own->plugin, *other->plugin)) return false;
+    return uses(scene, *own) || (own->kind() == ComponentKind::integrator && own->id() == integrator);
   });
 }
 
 std::vector<std::string> PluginArguments::notes(const PluginHost& host, const Scene& scene,
                                                 std::string_view integrator) const {
-  constexpr std::size_t max_listed = 3;
+  constexpr std::size_t max_listed = 3, max_named = 3;
   std::vector<std::string> notes = empty_folders();
-  std::size_t listed = 0, others = 0;
+  std::vector<const Refusal*> others;
+  std::size_t listed = 0;
   for (const Refusal& refusal : host.refusals()) {
-    if (listed == max_listed || !matters(refusal, host, scene, integrator)) {
-      ++others;
-      continue;
+    const std::string file = printable_message(refusal.file.string());
+    // A folder that was not searched is no file of a plugin.
+    if (refusal.file.stem().extension() != ".springnet" || is_named(refusal.file)) {
+      notes.push_back(fmt::format("Folder of plugins not searched: {}: {}.", file, refusal.reason));
+    } else if (listed < max_listed && would_matter(refusal, host, scene, integrator)) {
+      ++listed;
+      notes.push_back(fmt::format("Plugin refused: {}: {}.", file, refusal.reason));
+    } else {
+      others.push_back(&refusal);
     }
-    ++listed;
-    notes.push_back(fmt::format("Plugin refused: {}: {}.", printable_message(refusal.file.string()), refusal.reason));
   }
-  if (others > 0) {
-    notes.push_back(fmt::format("{} refused; 'springnet plugin list'{} lists the reasons.",
-                                others == 1 ? "1 plugin file was" : fmt::format("{} plugin files were", others),
-                                folders.empty() ? "" : " with the same --plugins"));
+  if (others.empty()) return notes;
+  const Refusal& first = *others.front();
+  if (others.size() == 1 && is_named(first.file.parent_path()) && !PluginHost().load(first.file)) {
+    notes.push_back(fmt::format("Plugin refused: {}: {}.", printable_message(first.file.string()), first.reason));
+    return notes;
   }
+  std::string names;
+  for (std::size_t k = 0; k < std::min(others.size(), max_named); ++k)
+    names += fmt::format("{}{}", k == 0 ? "" : ", ", printable_message(others[k]->file.filename().string()));
+  if (others.size() > max_named) names += ", …";
+  notes.push_back(
+      fmt::format("{} refused ({}); 'springnet plugin list'{} lists the reasons.",
+                  others.size() == 1 ? "1 plugin file was" : fmt::format("{} plugin files were", others.size()), names,
+                  folders.empty() ? "" : " with the same --plugins"));
   return notes;
 }
 

@@ -38,15 +38,17 @@ struct PluginArguments {
   [[nodiscard]] std::shared_ptr<const PluginHost> load() const;
   // A sentence for each folder without a plugin.
   [[nodiscard]] std::vector<std::string> empty_folders() const;
-  // These, then refused plugin files that may matter to the run: those in folders given by --plugins, and those that
-  // would provide a component of the scene, or the given integrator, if the folders were searched in another order.
-  // Others are counted.
+  // These, then folders that could not be searched, then refused plugin files that would provide a component of the
+  // scene, or the given integrator, if the folders were searched in another order. Other files are counted in one note;
+  // a single one in a folder of --plugins has its reason there.
   [[nodiscard]] std::vector<std::string> notes(const PluginHost& host, const Scene& scene,
                                                std::string_view integrator = {}) const;
 
  private:
-  [[nodiscard]] bool matters(const Refusal& refusal, const PluginHost& host, const Scene& scene,
-                             std::string_view integrator) const;
+  // Whether --plugins names the folder.
+  [[nodiscard]] bool is_named(const std::filesystem::path& folder) const;
+  [[nodiscard]] static bool would_matter(const Refusal& refusal, const PluginHost& host, const Scene& scene,
+                                         std::string_view integrator);
 };
 
 struct SceneArguments {

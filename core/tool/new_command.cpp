@@ -1,7 +1,3 @@
-#include <cerrno>
-#include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <system_error>
 
@@ -14,6 +10,7 @@
 #include "common.hpp"
 #include "examples.hpp"
 #include "mesh_scene.hpp"
+#include "new_files.hpp"
 #include "text_table.hpp"
 
 namespace springnet::tool {
@@ -40,72 +37,6 @@ struct NewArguments {
   bool from_example = false;
   std::filesystem::path folder;
 };
-
-// A file to write: a text, or a copy of another file.
-struct Planned {
-  std::filesystem::path file;
-  std::filesystem::path source;  // empty: the text
-  std::string text;
-};
-
-void refuse_existing(const std::vector<Planned>& files) {
-  for (const Planned& planned : files) {
-    std::error_code unknown;
-    if (!std::filesystem::exists(std::filesystem::symlink_status(planned.file, unknown))) continue;
-    throw Error(ErrorKind::input,
-                fmt::format("{} already exists, and nothing was written; choose another folder with -o",
-                            printable_message(planned.file.string())));
-  }
-}
-
-[[noreturn]] void fail_to_write(const std::filesystem::path& file, const std::string& reason) {
-  throw Error(
-      ErrorKind::simulation,
-      fmt::format("{}: cannot be written: {}; no file was left behind. Make room, or choose another folder with -o",
-                  printable_message(file.string()), reason));
-}
-
-// Removes the file if writing fails.
-void write(const Planned& planned) {
-  std::error_code problem, ignored;
-  if (!planned.source.empty()) {
-    std::filesystem::copy_file(planned.source, planned.file, problem);  // fails if the file exists by now
-    if (problem && problem != std::errc::file_exists) std::filesystem::remove(planned.file, ignored);
-    if (problem) fail_to_write(planned.file, problem.message());
-    return;
-  }
-  // "x": fails if the file exists, and does not follow a link.
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(planned.file.c_str(), "wx"), &std::fclose);
-  if (!out) fail_to_write(planned.file, std::error_code(errno, std::generic_category()).message());
-  if (std::fwrite(planned.text.data(), 1, planned.text.size(), out.get()) != planned.text.size() ||
-      std::fflush(out.get()) != 0) {
-    const std::error_code reason(errno, std::generic_category());
-    std::filesystem::remove(planned.file, ignored);
-    fail_to_write(planned.file, reason.message());
-  }
-}
-
-void write_all(const std::filesystem::path& folder, const std::vector<Planned>& files) {
-  refuse_existing(files);
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) {
-    throw Error(ErrorKind::input, fmt::format("{}: the folder cannot be created: {}; choose another one with -o",
-                                              printable_message(folder.string()), problem.message()));
-  }
-  std::vector<std::filesystem::path> written;
-  try {
-    for (const Planned& planned : files) {
-      write(planned);
-      written.push_back(planned.file);
-    }
-  } catch (const Error&) {
-    // Files of half a scene would block the next attempt.
-    for (const std::filesystem::path& file : written) std::filesystem::remove(file, problem);
-    throw;
-  }
-  for (const std::filesystem::path& file : written) fmt::print("{}\n", printable_message(file.string()));
-}
 
 int list_examples() {
   std::vector<std::vector<std::string>> rows;

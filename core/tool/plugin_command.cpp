@@ -394,11 +394,12 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
     const std::string near = suggestion(id, known);
-    throw Error(
-        ErrorKind::plugin,
-        fmt::format("there is no component '{}'{}{}; 'springnet plugin list' lists all components, and the files that "
-                    "were refused",
-                    printable(id), near.empty() ? "" : "; ", near));
+    std::string message = fmt::format("there is no component '{}'{}{}; 'springnet plugin list' lists all components",
+                                      printable(id), near.empty() ? "" : "; ", near);
+    if (!host->refusals().empty()) message += "\nRefused plugins:";
+    for (const Refusal& refusal : host->refusals())
+      message += fmt::format("\n  {}: {}", shown(refusal.file), refusal.reason);
+    throw Error(ErrorKind::plugin, message);
   }
   if (json) {
     Json components = Json::array();
@@ -451,11 +452,12 @@ void add_show(CLI::App& parent, Action& action) {
 }  // namespace
 
 void add_plugin(CLI::App& app, Action& action) {
-  CLI::App* const command =
-      app.add_subcommand("plugin", "List the available laws, neurons and integrators, or describe one");
+  CLI::App* const command = app.add_subcommand(
+      "plugin", "List the available laws, neurons and integrators, describe one, or start a new one");
   command->require_subcommand(1);
   add_list(*command, action);
   add_show(*command, action);
+  add_plugin_new(*command, action);
 }
 
 }  // namespace springnet::tool

@@ -158,7 +158,7 @@ TEST_CASE("a file without a note of this ABI is refused before it is opened: its
       {"damaged_note", {"it has no note", "was not opened"}},
       {"earlier_note", {"built for plugin ABI 1.", "reads 2.x", "or use a springnet of ABI 1"}},
       {"later_note", {"built for plugin ABI 3.", "reads 2.x", "or use a springnet of ABI 3"}},
-      {"needy_note", {"it needs plugin ABI 2.7", "use a newer springnet"}},
+      {"needy_note", {"it needs plugin ABI 2.7", "use a newer springnet, or rebuild the plugin with the SDK"}},
   };
   const char* const trace = "SPRINGNET_FIXTURE_CONSTRUCTED";
   unsetenv(trace);
@@ -360,4 +360,17 @@ TEST_CASE("an unknown component: nearest names, all known ones, and refused file
   CAPTURE(message);
   CHECK(contains(message, "'fixture' is a spring function"));
   CHECK(contains(message, "SPRINGNET_PLUGIN_PATH"));
+}
+
+TEST_CASE("an unknown component of a plugin that is named: the plugins that have it, and where was searched") {
+  PluginHost host;
+  host.search(fixtures / "good");
+  host.search(fixtures / "good" / ".");
+  CHECK_THROWS_WITH_AS(
+      static_cast<void>(host.require(ComponentKind::spring_function, "fixture@org.example.wrong")),
+      ("there is no spring function 'fixture@org.example.wrong'; did you mean 'fixture@org.example.fixture'? known: "
+       "fixture\nSearched: " +
+       (fixtures / "good").string() + " (1 plugin file)")
+          .c_str(),
+      springnet::Error);
 }

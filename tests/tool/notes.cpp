@@ -165,17 +165,65 @@ TEST_CASE("refused plugins that do not matter to the run are counted in one note
     std::filesystem::remove(folder.path() / "mine" / std::filesystem::path(file).filename());
   const Answer quiet = testing::shell(folder, "SPRINGNET_PLUGIN_PATH=\"$PWD/mine\" \"$SPRINGNET\" run pair.toml");
   CHECK(quiet.out.find("note: 1 plugin file was refused") != std::string::npos);
-  // Refused files in a folder of the command line are listed, up to three of them.
+  // The reason fits into the note if it is a single file in a folder of the command line; more of them are still one
+  // note.
   const Answer named = testing::springnet(folder, "run pair.toml --plugins mine/");
   CHECK(named.out.find("note: Plugin refused: mine/broken.springnet.so: cannot be loaded") != std::string::npos);
   for (int k = 0; k < 9; ++k) folder.write(fmt::format("mine/broken{}.springnet.so", k), "no library");
   const auto many = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
   CAPTURE(many.dump());
-  CHECK(std::count_if(many.begin(), many.end(), [](const auto& note) {
-          return note.template get<std::string>().starts_with("Plugin refused: ");
-        }) == 3);
-  CHECK(has(many, "7 plugin files were refused"));
+  CHECK_FALSE(has(many, "Plugin refused"));
+  CHECK(has(many,
+            "10 plugin files were refused (broken.springnet.so, broken0.springnet.so, broken1.springnet.so, …); "
+            "'springnet plugin list' with the same --plugins lists the reasons."));
   CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --json").json()["notes"], "refused"));
+}
+
+TEST_CASE("a folder of plugins that was not searched is told once, with who names it") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  folder.write("a.springnet.so", "no library");
+  const Answer answer = testing::shell(
+      folder, "SPRINGNET_PLUGIN_PATH=/nowhere/a:here:/nowhere/a \"$SPRINGNET\" run pair.toml --plugins a.springnet.so");
+  CAPTURE(answer.out);
+  CHECK(answer.status == 0);
+  for (const char* note : {"not searched: /nowhere/a: the folder, which SPRINGNET_PLUGIN_PATH names, cannot be read",
+                           "not searched: here: SPRINGNET_PLUGIN_PATH names a relative folder"}) {
+    CAPTURE(note);
+    const std::size_t place = answer.out.find(note);
+    REQUIRE(place != std::string::npos);
+    CHECK(answer.out.find(note, place + 1) == std::string::npos);
+  }
+  CHECK(answer.out.find("a.springnet.so: the folder cannot be read (it is a file): name the folder") !=
+        std::string::npos);
+}
+
+TEST_CASE("a scene whose law is missing: where was searched, and every file with why it was refused, once") {
+  const TemporaryFolder folder;
+  std::string scene = testing::pair_scene;
+  scene.replace(scene.find("type = \"linear\", stiffness"), 16, "type = \"fene\", ");
+  folder.write("fene.toml", scene);
+  std::filesystem::create_directory(folder.path() / "mine");
+  for (const char* name : {"another", "fene", "third"})
+    folder.write(fmt::format("mine/{}.springnet.so", name), "no library");
+  for (const char* arguments : {"run fene.toml", "validate fene.toml", "inspect fene.toml", "plugin show fene",
+                                "plugin show fene --kind spring"}) {
+    CAPTURE(arguments);
+    const Answer answer = testing::springnet(folder, std::string(arguments) + " --plugins mine");
+    CAPTURE(answer.err);
+    CHECK(answer.status == (std::string(arguments).starts_with("plugin") ? 3 : 2));
+    CHECK(answer.out.empty());
+    for (const char* name : {"another", "fene", "third"}) {
+      const std::string file = fmt::format("mine/{}.springnet.so: cannot be loaded", name);
+      const std::size_t place = answer.err.find(file);
+      REQUIRE(place != std::string::npos);
+      CHECK(answer.err.find(file, place + 1) == std::string::npos);
+    }
+  }
+  const Answer run = testing::springnet(folder, "run fene.toml --plugins mine");
+  CHECK(run.err.find("\nSearched: mine (3 plugin files), ") != std::string::npos);
+  // The likely one comes first.
+  CHECK(run.err.find("mine/fene.springnet.so: ") < run.err.find("mine/another.springnet.so: "));
 }
 
 TEST_CASE("names of files and bodies are printed without control and bidirectional characters") {

@@ -17,7 +17,8 @@ TEST_CASE("the version is printed") {
 
 TEST_CASE("every command has a help with its exit status") {
   const TemporaryFolder folder;
-  for (const char* command : {"", "new", "run", "validate", "inspect", "convert", "plugin list", "plugin show"}) {
+  for (const char* command :
+       {"", "new", "run", "validate", "inspect", "convert", "plugin list", "plugin show", "plugin new"}) {
     CAPTURE(command);
     const Answer answer = testing::springnet(folder, std::string(command) + " --help");
     CHECK(answer.status == 0);
