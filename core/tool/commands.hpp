@@ -20,5 +20,6 @@ void add_validate(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_plugin(CLI::App& app, Action& action);
+void add_plugin_check(CLI::App& plugin, Action& action);  // a part of `plugin`
 
 }  // namespace springnet::tool

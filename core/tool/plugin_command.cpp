@@ -452,10 +452,11 @@ void add_show(CLI::App& parent, Action& action) {
 
 void add_plugin(CLI::App& app, Action& action) {
   CLI::App* const command =
-      app.add_subcommand("plugin", "List the available laws, neurons and integrators, or describe one");
+      app.add_subcommand("plugin", "List the available laws, neurons and integrators, describe or test one");
   command->require_subcommand(1);
   add_list(*command, action);
   add_show(*command, action);
+  add_plugin_check(*command, action);
 }
 
 }  // namespace springnet::tool
