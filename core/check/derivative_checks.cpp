@@ -61,20 +61,6 @@ bool is_number(const LawCall& call, std::size_t column) {
   return call.component().description->parameters[column - l.parameter(0)]->type == SPRINGNET_NUMBER;
 }
 
-enum class Verdict { agrees, differs, undecided };
-// claimed: what the law says. Digits that the formula itself loses count as much as those of the difference.
-Verdict compare(double claimed, const Slope& slope, double tolerance) {
-  if (!std::isfinite(slope.error) || !std::isfinite(slope.value)) return Verdict::undecided;
-  const double size = std::max(std::abs(claimed), std::abs(slope.value));
-  const double allowed = 30.0 * slope.error + tolerance * size;
-  if (std::abs(claimed - slope.value) <= allowed) return Verdict::agrees;
-  if (!slope.smooth()) return Verdict::undecided;  // a kink: any slope between the two is right
-  return Verdict::differs;
-}
-
-// Digits that differences of smooth formulas agree to; those of a mistake do not.
-constexpr double agreement = 1e-6;
-
 struct Count {
   std::size_t compared = 0, undecided = 0;
 };
@@ -107,9 +93,11 @@ std::string wrong_derivative(ReadyLaw& ready, const Point& point, const How& how
           if (!(step > 0.0)) break;
           found = slopes(along(call, point, column, how), point[column], step);
         }
-        const Verdict verdict = compare(claimed, found[row], agreement);
+        const Verdict verdict = compare(claimed, found[row]);
         ++(verdict == Verdict::undecided ? count.undecided : count.compared);
         if (verdict != Verdict::differs) continue;
+        const double step = first_step(ready, ready.points(), point, column);
+        if (!differs_for_all_steps(claimed, along(call, point, column, how), row, point[column], step)) continue;
         const char* const source = claims == &answer.matrix ? " in `derivatives`" : "";
         return fmt::format("the derivative of the {} by {}{}{} is {:.9g}, differences give {:.9g} (within {:.1e}) {}",
                            call.row_name(row), call.column_name(column), source, of_update ? " over a step" : "",
@@ -136,9 +124,10 @@ Outcome check_energy(const LawSubject& subject) {
       if (!call.reads_value(i)) continue;
       const double step = first_step(ready, ready.points(), point, l.value(i));
       const Slope slope = slopes(along(call, point, l.value(i), {}), point[l.value(i)], step)[l.energy()];
-      const Verdict verdict = compare(rows[i], slope, agreement);
+      const Verdict verdict = compare(rows[i], slope);
       ++(verdict == Verdict::undecided ? count.undecided : count.compared);
-      if (verdict == Verdict::differs)
+      if (verdict == Verdict::differs &&
+          differs_for_all_steps(rows[i], along(call, point, l.value(i), {}), l.energy(), point[l.value(i)], step))
         return {Result::failed,
                 fmt::format("the {} is {:.9g}, the energy's derivative {:.9g} (within {:.1e}) {}: correct "
                             "one of the two",

@@ -47,6 +47,22 @@ bool Slope::smooth() const noexcept {
   return std::isfinite(left) && std::isfinite(right) && std::abs(left - right) <= 4.0 * side_error + 1e-6 * size;
 }
 
+Verdict compare(double claimed, const Slope& slope) {
+  // Digits to which differences of smooth formulas agree, and mistakes do not; the estimate leaves out what the formula
+  // itself rounds.
+  constexpr double agreement = 1e-6, safety = 30.0;
+  if (!std::isfinite(slope.error) || !std::isfinite(slope.value)) return Verdict::undecided;
+  const double size = std::max(std::abs(claimed), std::abs(slope.value));
+  if (std::abs(claimed - slope.value) <= safety * slope.error + agreement * size) return Verdict::agrees;
+  return slope.smooth() ? Verdict::differs : Verdict::undecided;  // at a kink any slope between the two is right
+}
+
+bool differs_for_all_steps(double claimed, const Functions& functions, std::size_t function, double x, double step) {
+  for (const double part : {1.0, 0.02, 4e-4})
+    if (compare(claimed, slopes(functions, x, part * step)[function]) != Verdict::differs) return false;
+  return true;
+}
+
 std::vector<Slope> slopes(const Functions& functions, double x, double step) {
   // x, then x - h and x + h of each level; h as it is after rounding.
   std::vector<double> points{x};

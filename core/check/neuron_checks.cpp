@@ -147,13 +147,13 @@ Outcome check_neuron_derivatives(const Component& component, std::uint64_t seed)
         }
         return values;
       };
-      const std::vector<Slope> found = slopes(functions, at[column], 0.1 * std::max(std::abs(at[column]), 1e-2));
+      const double step = 0.1 * std::max(std::abs(at[column]), 1e-2);
+      const std::vector<Slope> found = slopes(functions, at[column], step);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const Slope& slope = found[axis];
         const auto differs = [&](double value) {
-          const double size = std::max(std::abs(value), std::abs(slope.value));
-          return std::isfinite(slope.error) && slope.smooth() &&
-                 std::abs(value - slope.value) > 30.0 * slope.error + 1e-6 * size;
+          return compare(value, slope) == Verdict::differs &&
+                 differs_for_all_steps(value, functions, axis, at[column], step);
         };
         if (column < position && differs(column == axis ? 1.0 / at[mass] : 0.0))
           return {Result::failed,
