@@ -21,6 +21,7 @@ void add_inspect(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_plugin(CLI::App& app, Action& action);
 // To `springnet plugin`.
-void add_plugin_new(CLI::App& parent, Action& action);
+void add_plugin_new(CLI::App& plugin, Action& action);
+void add_plugin_check(CLI::App& plugin, Action& action);
 
 }  // namespace springnet::tool

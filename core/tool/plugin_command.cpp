@@ -453,11 +453,12 @@ void add_show(CLI::App& parent, Action& action) {
 
 void add_plugin(CLI::App& app, Action& action) {
   CLI::App* const command = app.add_subcommand(
-      "plugin", "List the available laws, neurons and integrators, describe one, or start a new one");
+      "plugin", "List the available laws, neurons and integrators, describe, test or start one");
   command->require_subcommand(1);
   add_list(*command, action);
   add_show(*command, action);
   add_plugin_new(*command, action);
+  add_plugin_check(*command, action);
 }
 
 }  // namespace springnet::tool

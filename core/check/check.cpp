@@ -1,0 +1,183 @@
+#include "check/check.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include <springnet/printable.hpp>
+
+#include "check/law_checks.hpp"
+#include "check/neuron_checks.hpp"
+#include "check/texts.hpp"
+
+namespace springnet::check {
+namespace {
+
+// A check with the earlier ones whose failure leaves it without meaning.
+struct LawCheck {
+  std::string_view name;
+  Outcome (*run)(const LawSubject&);
+  std::vector<std::string_view> needs;
+};
+const std::vector<LawCheck>& law_checks() {
+  static const std::vector<LawCheck> checks{
+      {"call", check_call, {"load"}},
+      {"arrays", check_arrays, {"call"}},
+      {"finite", check_finite, {"arrays"}},
+      {"rest", check_rest, {"finite"}},
+      {"energy", check_energy, {"finite"}},
+      {"derivatives", check_derivatives, {"finite"}},
+      {"dissipation", check_dissipation, {"energy"}},
+      {"batches", check_batches, {"arrays"}},
+      {"states", check_states, {"finite", "batches"}},
+      {"promises", check_promises, {"finite"}},
+      {"order", check_order, {"finite", "derivatives", "batches", "states"}},
+      {"speed", check_speed, {"arrays"}},
+  };
+  return checks;
+}
+
+struct NeuronCheck {
+  std::string_view name;
+  Outcome (*run)(const Component&, std::uint64_t);
+  std::vector<std::string_view> needs;
+};
+const std::vector<NeuronCheck>& neuron_checks() {
+  static const std::vector<NeuronCheck> checks{{"call", check_neuron_call, {"load"}},
+                                               {"finite", check_neuron_finite, {"call"}},
+                                               {"derivatives", check_neuron_derivatives, {"finite"}}};
+  return checks;
+}
+
+// Findings of one component, in the order of the checks.
+class Judge {
+ public:
+  Judge(const Component& component, const Options& options, Report& report)
+      : id_(component.id()), kind_(name_of(component.kind())), options_(options), report_(report) {}
+
+  [[nodiscard]] bool wanted(std::string_view check) const { return options_.only.empty() || options_.only == check; }
+
+  void note(std::string_view check, const Outcome& outcome) {
+    if (is_bad(outcome.result) || outcome.result == Result::skipped) bad_.insert(check);
+    report_.findings.push_back({id_, kind_, std::string(check), outcome});
+  }
+  void run(std::string_view check, const std::vector<std::string_view>& needs, const char* subject,
+           const std::function<Outcome()>& body) {
+    if (!wanted(check)) return;
+    for (const std::string_view need : needs)
+      if (bad_.contains(need)) return note(check, {Result::skipped, fmt::format("needs '{}'", need)});
+    Outcome outcome = run_in_child(body, options_.limits, subject);
+    outcome.why = printable_message(outcome.why);
+    note(check, outcome);
+  }
+
+ private:
+  std::string id_, kind_;
+  const Options& options_;
+  Report& report_;
+  std::set<std::string_view> bad_;  // failed or skipped
+};
+
+void check_one(const std::shared_ptr<const Component>& component, const LawUse* use, const Options& options,
+               Report& report) {
+  Judge judge(*component, options, report);
+  if (judge.wanted("load")) judge.note("load", check_texts(*component));
+  switch (component->kind()) {
+    case ComponentKind::neuron:
+      for (const NeuronCheck& check : neuron_checks())
+        judge.run(check.name, check.needs, "the neuron", [&] { return check.run(*component, options.seed); });
+      break;
+    case ComponentKind::integrator:
+      if (judge.wanted("call"))
+        judge.note("call", {Result::skipped, "of integrators only loading and texts are checked"});
+      break;
+    default: {
+      const LawSubject subject{component, options.host, use, options.seed};
+      for (const LawCheck& check : law_checks())
+        judge.run(check.name, check.needs, "the law", [&] { return check.run(subject); });
+    }
+  }
+}
+
+}  // namespace
+
+const char* name_of(Result result) noexcept {
+  switch (result) {
+    case Result::passed:
+      return "pass";
+    case Result::warned:
+      return "warn";
+    case Result::failed:
+      return "fail";
+    case Result::crashed:
+      return "crash";
+    case Result::timed_out:
+      return "timeout";
+    case Result::skipped:
+      return "skipped";
+  }
+  return "";
+}
+
+bool Report::passed() const noexcept {
+  return std::none_of(findings.begin(), findings.end(), [](const Finding& f) { return is_bad(f.outcome.result); });
+}
+
+const std::vector<std::string_view>& check_names() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> all{"load"};
+    for (const LawCheck& check : law_checks()) all.push_back(check.name);
+    return all;
+  }();
+  return names;
+}
+
+Report check_components(const std::vector<std::shared_ptr<const Component>>& components, const Options& options) {
+  Report report{options.seed, true, {}};
+  for (const auto& component : components) check_one(component, nullptr, options, report);
+  return report;
+}
+
+Report check_file(const std::filesystem::path& file, const Options& options) {
+  // A constructor of the library may do what it likes: first where it does no harm. The destructors run there, too.
+  const auto load = [&file]() -> Outcome {
+    now_doing("loading the file");
+    PluginHost host;
+    static_cast<void>(host.load(file));
+    if (!host.refusals().empty()) return {Result::failed, host.refusals().front().reason};
+    return {};
+  };
+  Report report{options.seed, true, {}};
+  const Outcome outcome = run_in_child(load, options.limits, "the plugin");
+  if (outcome.result == Result::passed) {
+    PluginHost host;
+    if (host.load(file)) {
+      report = check_components(host.components(), options);
+      return report;
+    }
+  }
+  report.loaded = false;
+  report.findings.push_back({printable(file.filename().string()), "plugin", "load", outcome});
+  return report;
+}
+
+Report check_laws_of(const Network& network, const Options& options) {
+  Report report{options.seed, true, {}};
+  std::vector<std::pair<ComponentKind, LawUse>> seen;
+  const auto check = [&](const std::optional<LawUse>& use, ComponentKind kind) {
+    if (!use || std::find(seen.begin(), seen.end(), std::pair(kind, *use)) != seen.end()) return;
+    seen.emplace_back(kind, *use);
+    check_one(use->component != nullptr ? use->component : options.host->require(kind, use->id), &*use, options,
+              report);
+  };
+  for (const Material& material : network.materials()) {
+    check(material.spring, ComponentKind::spring_function);
+    check(material.viscosity, ComponentKind::viscosity_function);
+  }
+  return report;
+}
+
+}  // namespace springnet::check

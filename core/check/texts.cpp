@@ -1,0 +1,78 @@
+#include "check/texts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <springnet/printable.hpp>
+
+namespace springnet::check {
+namespace {
+
+constexpr std::array<std::string_view, 26> known_units{"m",  "kg", "s", "A",  "K",  "mol", "cd", "rad", "sr",
+                                                       "N",  "Pa", "J", "W",  "Hz", "C",   "V",  "F",   "ohm",
+                                                       "Wb", "T",  "H", "lm", "lx", "Bq",  "Gy", "Sv"};
+
+// Empty, or the first name in a unit that is none of SI's without a prefix. What follows '^' is an exponent, and may be
+// the name of a parameter.
+std::string unknown_unit(std::string_view unit) {
+  for (std::size_t k = 0; k < unit.size();) {
+    if (std::isalpha(static_cast<unsigned char>(unit[k])) == 0) {
+      ++k;
+      continue;
+    }
+    std::size_t end = k;
+    while (end < unit.size() && (std::isalnum(static_cast<unsigned char>(unit[end])) != 0 || unit[end] == '_')) ++end;
+    const std::string_view word = unit.substr(k, end - k);
+    const bool is_exponent = k > 0 && unit[k - 1] == '^';
+    if (!is_exponent && std::find(known_units.begin(), known_units.end(), word) == known_units.end())
+      return std::string(word);
+    k = end;
+  }
+  return {};
+}
+
+std::string remark(const springnet_parameter& p, const char* what) {
+  const std::string name = fmt::format("{} '{}'", what, printable(p.name));
+  const std::string_view summary = p.summary, unit = p.unit;
+  if (summary.empty()) return name + " has no summary: say in one line what it is";
+  if (summary.find('\n') != std::string_view::npos) return name + " has a summary of several lines: write one";
+  if (const std::string word = unknown_unit(unit); !word.empty())
+    return fmt::format(
+        "{} has the unit '{}', and '{}' is no unit of the SI: quantities are in m, kg, s without prefixes", name,
+        printable(p.unit), printable(word));
+  const long open = std::count(unit.begin(), unit.end(), '('), closed = std::count(unit.begin(), unit.end(), ')');
+  if (open != closed) return fmt::format("{} has the unit '{}': close the brackets", name, printable(p.unit));
+  if (p.type == SPRINGNET_NUMBER && !(p.smallest < p.largest))
+    return fmt::format("{} can only be {:g}: drop it", name, p.smallest);
+  return {};
+}
+
+}  // namespace
+
+Outcome check_texts(const Component& component) {
+  const springnet_component& description = *component.description;
+  // A formula is its own description.
+  if (component.file.empty() && std::string_view(component.plugin->id) == "formula") return {};
+  if (std::string_view(description.summary).empty())
+    return {Result::warned, "it has no summary: say in one line what it is"};
+  for (std::uint32_t i = 0; i < description.parameter_count; ++i)
+    if (const std::string text = remark(*description.parameters[i], "parameter"); !text.empty())
+      return {Result::warned, text};
+  const bool is_law =
+      component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function;
+  if (!is_law) return {};
+  const springnet_law& law = component.law();
+  for (std::uint32_t i = 0; i < law.state_count; ++i)
+    if (const std::string text = remark(*law.states[i], "state"); !text.empty()) return {Result::warned, text};
+  for (std::uint32_t i = 0; i < law.input_count; ++i)
+    if (const std::string text = remark(*law.inputs[i], "input"); !text.empty()) return {Result::warned, text};
+  return {};
+}
+
+}  // namespace springnet::check

@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <springnet/printable.hpp>
+#include <springnet/scene.hpp>
+
+#include "check/check.hpp"
+#include "commands.hpp"
+#include "common.hpp"
+#include "text_table.hpp"
+
+namespace springnet::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* check_examples =
+    R"(Examples:
+  springnet plugin check build/tendon.springnet.so       all components of a file
+  springnet plugin check heart.toml                      all laws of a scene, formulas among them
+  springnet plugin check muscle                          a component that is installed
+  springnet plugin check muscle --only derivatives --seed 7
+
+Every check runs in a process of its own: a law that crashes, hangs or ends the process is a line of the report.
+Checks, in this order: load call arrays finite rest energy derivatives dissipation batches states promises order speed.
+
+Exit status:
+  0 all passed, perhaps with warnings   1 a check failed   2 usage   3 the plugin cannot be loaded)";
+
+struct CheckArguments {
+  PluginArguments plugins;
+  std::string target, kind, only;
+  std::uint64_t seed = 0;  // 0: a new one
+  double seconds = check::Limits{}.seconds;
+  bool json = false;
+};
+
+ComponentKind kind_of(const std::string& word) {
+  if (word == "viscosity") return ComponentKind::viscosity_function;
+  if (word == "neuron") return ComponentKind::neuron;
+  return word == "integrator" ? ComponentKind::integrator : ComponentKind::spring_function;
+}
+
+bool is_wanted(const CheckArguments& arguments, const Component& component) {
+  if (!arguments.kind.empty() && component.kind() != kind_of(arguments.kind)) return false;
+  return component.id() == arguments.target ||
+         fmt::format("{}@{}", component.id(), component.plugin->id) == arguments.target;
+}
+
+std::vector<std::shared_ptr<const Component>> components_named(const CheckArguments& arguments,
+                                                               const PluginHost& host) {
+  std::vector<std::shared_ptr<const Component>> found;
+  for (const auto& component : host.components())
+    if (is_wanted(arguments, *component)) found.push_back(component);
+  if (found.empty())
+    throw Error(
+        ErrorKind::plugin,
+        fmt::format("there is no component '{}'{}{}, and no file of this name; 'springnet plugin list' lists all "
+                    "components",
+                    printable(arguments.target), arguments.kind.empty() ? "" : " of the kind ", arguments.kind));
+  return found;
+}
+
+check::Report judge(const CheckArguments& arguments, const check::Options& options) {
+  const std::filesystem::path path(arguments.target);
+  std::error_code unreadable;
+  if (path.extension() == ".toml") return check::check_laws_of(load_scene(path, *options.host).network, options);
+  const bool is_file = std::filesystem::is_regular_file(path, unreadable) || path.has_parent_path() ||
+                       path.stem().extension() == ".springnet";
+  if (is_file) return check::check_file(path, options);
+  return check::check_components(components_named(arguments, *options.host), options);
+}
+
+Json json_of(const check::Report& report) {
+  Json checks = Json::array();
+  for (const check::Finding& finding : report.findings)
+    checks.push_back({{"component", finding.component},
+                      {"kind", finding.kind},
+                      {"check", finding.check},
+                      {"result", check::name_of(finding.outcome.result)},
+                      {"why", finding.outcome.why}});
+  return {{"seed", report.seed}, {"loaded", report.loaded}, {"passed", report.passed()}, {"checks", checks}};
+}
+
+std::string table_of(const check::Report& report) {
+  std::vector<std::vector<std::string>> rows{{"COMPONENT", "CHECK", "RESULT", ""}};
+  std::string before;
+  for (const check::Finding& finding : report.findings) {
+    const std::string name = fmt::format("{} ({})", finding.component, finding.kind);
+    rows.push_back(
+        {name == before ? "" : name, finding.check, check::name_of(finding.outcome.result), finding.outcome.why});
+    before = name;
+  }
+  const auto count = [&](auto is) {
+    return std::count_if(report.findings.begin(), report.findings.end(),
+                         [&](const check::Finding& finding) { return is(finding.outcome.result); });
+  };
+  const auto bad = count([](check::Result result) { return check::is_bad(result); });
+  const auto warnings = count([](check::Result result) { return result == check::Result::warned; });
+  return fmt::format("{}\n{} checks: {} failed, {} warnings; seed {}\n", align_columns(rows, 0), report.findings.size(),
+                     bad, warnings, report.seed);
+}
+
+int run_check(const CheckArguments& arguments) {
+  check::Options options;
+  options.seed = arguments.seed != 0 ? arguments.seed : std::random_device{}() % 1'000'000 + 1;
+  options.only = arguments.only;
+  options.limits.seconds = arguments.seconds;
+  options.host = arguments.plugins.load();
+  const check::Report report = judge(arguments, options);
+  if (arguments.json) {
+    fmt::print("{}\n", json_of(report).dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    print_report(table_of(report));
+  }
+  if (!report.loaded) return plugin_trouble;
+  return report.passed() ? done : failed;
+}
+
+}  // namespace
+
+void add_plugin_check(CLI::App& parent, Action& action) {
+  const auto arguments = std::make_shared<CheckArguments>();
+  CLI::App* const command =
+      parent.add_subcommand("check", "Test a plugin, or the laws of a scene: do they do what they declare?");
+  command->add_option("TARGET", arguments->target, "A plugin's file, a scene, or a component's name")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--kind", arguments->kind,
+                   "Of components by name only this kind: spring, viscosity, neuron or integrator")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"spring", "viscosity", "neuron", "integrator"}));
+  std::vector<std::string> names;
+  for (const std::string_view name : check::check_names()) names.emplace_back(name);
+  command->add_option("--only", arguments->only, "Only this check")->type_name("CHECK")->check(CLI::IsMember(names));
+  command
+      ->add_option("--seed", arguments->seed,
+                   "Draw the same random elements as a report with this seed [a new one each time]")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--time-limit", arguments->seconds, "Longest time for a check, in seconds [20]")
+      ->type_name("S")
+      ->check(number_between(0.1, 3600.0));
+  arguments->plugins.add_to(*command);
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->footer(check_examples);
+  command->callback([arguments, &action] { action = [arguments] { return run_check(*arguments); }; });
+}
+
+}  // namespace springnet::tool

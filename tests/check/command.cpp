@@ -1,0 +1,75 @@
+// The command: targets, exit statuses, outputs.
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "tool.hpp"
+
+using namespace springnet;
+using testing::Answer;
+using testing::TemporaryFolder;
+
+namespace {
+
+std::string broken(const char* name) { return std::string("'" BROKEN "/") + name + ".springnet" LIBRARY_SUFFIX "'"; }
+
+}  // namespace
+
+TEST_CASE("exit statuses: 0 passed, 1 failed, 2 usage, 3 not loaded") {
+  const TemporaryFolder folder;
+  const auto status = [&](const std::string& arguments) {
+    return testing::springnet(folder, "plugin check " + arguments).status;
+  };
+  CHECK(status("linear --kind spring --only call") == 0);
+  CHECK(status(broken("right") + " --only energy") == 0);
+  CHECK(status(broken("wrong_energy") + " --only energy") == 1);
+  CHECK(status(broken("prefix") + " --only load") == 0);
+  CHECK(status("") == 2);
+  CHECK(status("linear --only everything") == 2);
+  CHECK(status("no_such_scene.toml") == 2);
+  CHECK(status(broken("constructor")) == 3);
+  CHECK(status("no_such_law") == 3);
+  folder.write("text.springnet" LIBRARY_SUFFIX, "this is no library");
+  CHECK(status("text.springnet" LIBRARY_SUFFIX) == 3);
+}
+
+TEST_CASE("the table and the JSON have every check, with its reason and the seed") {
+  const TemporaryFolder folder;
+  const Answer answer = testing::springnet(folder, "plugin check " + broken("crashes") + " --seed 5 --json");
+  CHECK(answer.status == 1);
+  const auto report = answer.json();
+  CHECK(report["seed"] == 5);
+  CHECK(report["loaded"] == true);
+  CHECK(report["passed"] == false);
+  REQUIRE(report["checks"].size() == 13);
+  CHECK(report["checks"][1]["check"] == "call");
+  CHECK(report["checks"][1]["result"] == "crash");
+  CHECK(report["checks"][2]["result"] == "skipped");
+  const std::string text = testing::springnet(folder, "plugin check " + broken("crashes") + " --seed 5").out;
+  for (const char* part : {"broken (spring function)", "crash", "skipped", "SIGSEGV", "seed 5", "1 failed"}) {
+    CAPTURE(std::string(part));
+    CHECK(text.find(part) != std::string::npos);
+  }
+}
+
+TEST_CASE("a scene's laws are checked with the scene's parameters, formulas among them") {
+  const TemporaryFolder folder;
+  std::string scene = testing::pair_scene;
+  folder.write("pair.toml", scene);
+  const Answer good = testing::springnet(folder, "plugin check pair.toml --only derivatives --json");
+  CHECK(good.status == 0);
+  CHECK(good.json()["checks"].size() == 2);  // the spring and the viscosity function
+  const std::string law = "spring = { type = \"linear\", stiffness = 4.0 }";
+  const auto with = [&](const std::string& formula) {
+    std::string changed = scene;
+    changed.replace(changed.find(law), law.size(), formula);
+    folder.write("formula.toml", changed);
+    return testing::springnet(folder, "plugin check formula.toml --seed 3 --json");
+  };
+  const Answer cubic = with("spring = { formula = \"stiffness*e + cubic*e^3\", stiffness = 4.0, cubic = 2.0 }");
+  CHECK(cubic.status == 0);
+  CHECK(cubic.json()["checks"][0]["component"] == "formula");
+  // A formula that is not finite where it should be.
+  const Answer wrong = with("spring = { formula = \"stiffness*e + 0*log(q - 0.9*l0)\", stiffness = 4.0 }");
+  CHECK(wrong.status == 1);
+}
