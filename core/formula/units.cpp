@@ -106,7 +106,11 @@ class Checker {
   void check(const NamedFormula& named, const Known& wanted) const {
     const Expression formula = parse(*named.text);
     std::vector<Known> units;
-    for (const Term& term : formula.terms) units.push_back(of(formula, term, units));
+    try {
+      for (const Term& term : formula.terms) units.push_back(of(formula, term, units));
+    } catch (const Error& error) {
+      throw Error(error.kind(), fmt::format("{}: {}", named.what, error.what()));
+    }
     const Known& result = units[formula.root];
     if (result && wanted && !equal(*result, *wanted) && !is_zero(formula, formula.root))
       throw Error(ErrorKind::input, fmt::format("{}: is in {}, and must be in {}; look at the units of its parameters",
