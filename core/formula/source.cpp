@@ -1,7 +1,8 @@
 // Formulas as C++: the steps of their graph as expressions of the SDK.
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -294,6 +295,29 @@ void check_names(const std::vector<std::string>& names) {
   }
 }
 
+// Whether the law pulls or pushes at the reference value and at rest, with parameters of no special value.
+bool is_loaded_at_rest(const Component& component) {
+  constexpr double one = 1.0, nothing = 0.0, rounding = 1e-12;
+  std::vector<double> values;
+  std::vector<const double*> parameters;
+  for (std::size_t k = 0; k < component.description->parameter_count; ++k)
+    values.push_back(0.9 + 0.37 * static_cast<double>(k));
+  for (const double& value : values) parameters.push_back(&value);
+  const std::vector<std::uint32_t> strides(values.size(), 0);
+  double force = 0.0;
+  springnet_law_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = 1;
+  batch.time = 0.6;
+  batch.q = component.law().invariant == SPRINGNET_RELATIVE_SPEED ? &nothing : &one;
+  batch.rate = &nothing;
+  batch.reference = &one;
+  batch.parameters = parameters.data();
+  batch.parameter_strides = strides.data();
+  batch.force = &force;
+  return component.law().evaluate(component.law().context, &batch) == SPRINGNET_OK && std::abs(force) > rounding;
+}
+
 }  // namespace
 }  // namespace formula
 
@@ -312,7 +336,7 @@ FormulaSource source_of(const LawFormula& given) {
     const auto is_it = [&](const FormulaSymbol& each) { return each.name == name; };
     if (std::none_of(law.parameters.begin(), law.parameters.end(), is_it)) law.parameters.push_back({name});
   }
-  static_cast<void>(component_of(law));  // says what else is wrong
+  const std::shared_ptr<const Component> component = component_of(law);  // says what else is wrong
 
   FormulaSource source;
   for (const FormulaSymbol& each : law.parameters) source.parameters.push_back(each.name);
@@ -335,6 +359,7 @@ FormulaSource source_of(const LawFormula& given) {
   declare(relative, "std::uint32_t invariant = SPRINGNET_RELATIVE_SPEED");
   declare(reads.rate && law.kind == ComponentKind::spring_function, "bool reads_rate = true");
   declare(reads.time, "bool reads_time = true");
+  declare(is_loaded_at_rest(*component), "bool not_zero_at_rest = true");
   declare(reads.divides_by_reference, "bool divides_by_reference = true");
   declare(reads.fits_elements && !relative, "bool fits_elements = true");
   for (const std::string& statement : source.statements) {

@@ -228,6 +228,14 @@ std::string in_one_line(std::string_view formula) {
   return line;
 }
 
+// `springnet plugin list` has a line for it.
+std::string summary_of(std::string_view formula) {
+  constexpr std::size_t longest = 60;
+  std::string line = in_one_line(formula);
+  if (line.size() > longest) line = line.substr(0, longest) + "...";
+  return line;
+}
+
 // Without --formula.
 struct FirstLaw {
   const char *formula, *unit, *summary;
@@ -294,7 +302,7 @@ std::string law_source(const PluginProject& project) {
       project.kind == ComponentKind::spring_function ? "SpringFunction" : "ViscosityFunction");
   if (!source.enumerators.empty()) text += fmt::format("  enum {{ {} }};\n", fmt::join(source.enumerators, ", "));
   text += fmt::format("  static constexpr const char *id = \"{}\", *summary = \"{}\";\n", project.name,
-                      in_one_line(formula_of(project).force));
+                      summary_of(formula_of(project).force));
   for (const std::string& declaration : source.declarations) text += "  " + declaration + "\n";
   text += parameters_text(project, source) + "\n" + force_text(source);
   return text + fmt::format(

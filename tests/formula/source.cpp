@@ -91,7 +91,10 @@ TEST_CASE("what a law declares") {
   CHECK(declares(source("k*strain"), "bool divides_by_reference = true"));
   CHECK(declares(source("k*rate"), "bool reads_rate = true"));
   CHECK_FALSE(declares(source("k*rate", ComponentKind::viscosity_function), "bool reads_rate = true"));
-  CHECK(declares(source("k*time"), "bool reads_time = true"));
+  CHECK(declares(source("k*e*time"), "bool reads_time = true"));
+  CHECK(declares(source("k*e + tension"), "bool not_zero_at_rest = true"));
+  CHECK(declares(source("k*(length - natural)"), "bool not_zero_at_rest = true"));
+  CHECK_FALSE(declares(source("k*(exp(strain) - 1) + c*rate"), "bool not_zero_at_rest = true"));
   const FormulaSource relative = source("k*speed", ComponentKind::viscosity_function);
   CHECK(declares(relative, "std::uint32_t invariant = SPRINGNET_RELATIVE_SPEED"));
   CHECK_FALSE(declares(relative, "bool fits_elements = true"));

@@ -58,6 +58,13 @@ TEST_CASE("a formula becomes C++ with its names as parameters to be described") 
   CHECK(has(testing::read_text(folder.path() / "fene/fene.toml"),
             "spring    = { type = \"fene\", stiffness = 1.0, limit = 1.0 }"));
 
+  // The engine refuses a plugin with a summary of more than 8192 bytes.
+  std::string many = "stiffness*e";
+  for (int k = 0; k < 400; ++k) many += " + 0.00001*stiffness";
+  REQUIRE(testing::springnet(folder, "plugin new many --kind spring --formula '" + many + "'").status == 0);
+  CHECK(has(testing::read_text(folder.path() / "many/many.cpp"), "*summary = \"stiffness*e + 0.00001*stiffness"));
+  CHECK(has(testing::read_text(folder.path() / "many/many.cpp"), "...\";\n"));
+
   REQUIRE(testing::springnet(folder, "plugin new honey --kind viscosity --formula 'drag*rate' -o a/b").status == 0);
   CHECK(has(testing::read_text(folder.path() / "a/b/honey.cpp"), "return p[drag] * e.rate; }"));
 }
