@@ -3,22 +3,46 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include <springnet/whole_records.hpp>
+
 #include "files/output_error.hpp"
 
 namespace springnet {
+namespace {
+
+// Open files, for write_whole_records(): a signal handler can lock nothing. Files beyond these are not saved.
+std::array<std::atomic<const CheckedFile*>, 64> open_files{};
+
+void replace(const CheckedFile* from, const CheckedFile* to) noexcept {
+  for (std::atomic<const CheckedFile*>& place : open_files) {
+    const CheckedFile* expected = from;
+    if (place.compare_exchange_strong(expected, to)) return;
+  }
+}
+
+}  // namespace
+
+void write_whole_records() noexcept {
+  for (const std::atomic<const CheckedFile*>& place : open_files) {
+    if (const CheckedFile* const file = place.load()) file->save_whole_records();
+  }
+}
 
 CheckedFile::CheckedFile(const OutputFile& file, std::string_view remedy)
     : file_(file), remedy_(remedy), descriptor_(-1), buffer_(std::make_unique_for_overwrite<char[]>(capacity)) {
   descriptor_ = open_output(file);  // last, because nothing would close it if the constructor threw
+  replace(nullptr, this);
 }
 
 CheckedFile::~CheckedFile() {
+  replace(this, nullptr);
   if (descriptor_ < 0) return;
   try {
     if (failure_.empty()) {
@@ -97,6 +121,18 @@ void CheckedFile::drop_unfinished() {
   } else {
     used_ = 0;
     cut(end);
+  }
+}
+
+void CheckedFile::save_whole_records() const noexcept {
+  if (descriptor_ < 0 || !failure_.empty() || marks_.empty()) return;
+  const char* data = buffer_.get();
+  for (std::uint64_t left = marks_.back().offset - written_; left > 0;) {
+    const ssize_t count = ::write(descriptor_, data, left);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return;
+    data += count;
+    left -= static_cast<std::uint64_t>(count);
   }
 }
 

@@ -58,6 +58,9 @@ class CheckedFile {
   void seek(std::uint64_t offset);
   void restore_end(std::uint64_t offset, std::string_view end) noexcept;
 
+  // Writes the complete records in the buffer; see write_whole_records().
+  void save_whole_records() const noexcept;
+
  private:
   static constexpr std::size_t capacity = std::size_t{1} << 16;
 

@@ -84,11 +84,14 @@ springnet_status Evaluator::call_neuron(const NeuronKind& kind, springnet_neuron
   batch.parameters = parameters;
   batch.parameter_strides = strides;
   const profile::Part part(kind.component->description->id, profile::Kind::neuron);
-  const springnet_status status = call_component(*kind.component, message, [&](springnet_message& own) {
-    batch.message = &own;
-    const springnet_neuron_model& model = kind.component->neuron();
-    return model.evaluate(model.context, &batch);
-  });
+  const springnet_status status =
+      call_component(*kind.component, message,
+                     [&](springnet_message& own) {
+                       batch.message = &own;
+                       const springnet_neuron_model& model = kind.component->neuron();
+                       return model.evaluate(model.context, &batch);
+                     },
+                     {CalledMembers::Are::nodes_from, 1, 1, layout_.ordering().user.data() + node});
   if (status == SPRINGNET_OK) return status;
   const std::uint32_t others = batch.count - 1;
   set_message(message, fmt::format("{}; for node {}{}", text_of(message), layout_.ordering().user[node],

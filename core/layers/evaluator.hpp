@@ -169,8 +169,8 @@ class Evaluator {
   springnet_status add_springs_of(const NodeList& list, const ListedNodes& own, double time, const NodeArrays& nodes,
                                   double* const force[3], springnet_message& message) const;
   // A batch of springs of nodes of a list: adds its forces.
-  springnet_status add_springs(const NodeSprings& springs, const ListedNodes& own, double time, const NodeArrays& nodes,
-                               double* const force[3], springnet_message& message) const;
+  springnet_status add_springs(const NodeList& list, const NodeSprings& springs, const ListedNodes& own, double time,
+                               const NodeArrays& nodes, double* const force[3], springnet_message& message) const;
   springnet_status call_neuron(const NeuronKind& kind, springnet_neuron_batch& batch, std::uint32_t node,
                                springnet_message& message) const;
   springnet_status add_elements_of(std::uint32_t node, double time, const NodeArrays& nodes,

@@ -177,12 +177,15 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
       for (std::size_t i = 0; i < law.parameter_count; ++i) by_parameters[i] = at(out.by_parameters[i]);
       batch.force_by_parameters = by_parameters;
     }
-    const springnet_status status = call_component(*law.component, message, [&](springnet_message& own) {
-      batch.message = &own;
-      if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, inputs.start, batch);
-      const springnet_law& functions = law.component->law();
-      return functions.evaluate(functions.context, &batch);
-    });
+    const springnet_status status = call_component(
+        *law.component, message,
+        [&](springnet_message& own) {
+          batch.message = &own;
+          if (law.state_count > 0) return evaluate_with_states(laws.internal, law, begin, inputs.start, batch);
+          const springnet_law& functions = law.component->law();
+          return functions.evaluate(functions.context, &batch);
+        },
+        laws.members.part(static_cast<std::uint32_t>(begin), batch.count));
     if (status != SPRINGNET_OK) return status;
   }
   return SPRINGNET_OK;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include <springnet/current_call.hpp>
 #include <springnet/sdk/law/jacobian.hpp>
 
 #include "layers/instruction_set.hpp"
@@ -61,6 +62,7 @@ struct LawBatch {
   const double* speed = nullptr;  // |dv|, m/s; may be null where no law of the group reads it
   InternalSelection internal{};
   const SeveralInputs* several = nullptr;  // in place of q, rate, speed
+  CalledMembers members{};                 // for reports of crashes
 };
 
 // Where one law of a batch writes its answers, [count] each; null where they are not wanted.

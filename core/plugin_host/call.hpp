@@ -8,6 +8,8 @@
 #include <springnet/plugin_host.hpp>
 #include <springnet/sdk/message.hpp>
 
+#include "plugin_host/calling.hpp"
+
 namespace springnet {
 
 // The text of a message, safe to display: a plugin may leave it unterminated or with control characters.
@@ -21,15 +23,17 @@ namespace springnet {
 // Writes to `message` that the component failed, with `reason` unless it is empty.
 void write_failure(const Component& component, const springnet_message& reason, springnet_message& message) noexcept;
 
-// Runs `function(own_message)`, which calls the component and returns its status. Unless the status is SPRINGNET_OK,
-// `message` says which component failed and why. Throws nothing; statuses other than OK and RECOVERABLE become FAILED.
+// Runs `function(own_message)`, which calls the component for `members` and returns its status. Unless the status is
+// SPRINGNET_OK, `message` says which component failed and why. Throws nothing; statuses other than OK and RECOVERABLE
+// become FAILED.
 template <class Function>
-springnet_status call_component(const Component& component, springnet_message& message,
-                                const Function& function) noexcept {
+springnet_status call_component(const Component& component, springnet_message& message, const Function& function,
+                                const CalledMembers& members = {}) noexcept {
   springnet_message own;
   own.text[0] = '\0';
   springnet_status status = SPRINGNET_FAILED;
   try {
+    const Calling calling(component, members);
     status = function(own);
   } catch (const std::exception& error) {
     sdk::detail::write_message(&own, error.what());

@@ -143,6 +143,7 @@ void Simulation::Impl::advance(double until) {
   Ending end = call([&] {
     const profile::Stage stage(component->description->id, profile::Kind::integrator);
     const springnet_advance request{sizeof request, 0, until, &report};
+    const Calling calling(*component);
     return component->integrator().advance(integrator, &request);
   });
   if (end.status == SPRINGNET_OK && !(std::abs(engine.model().time - until) <= engine.calls().end_tolerance())) {

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "crash.hpp"
 #include "process.hpp"
 
 namespace {
@@ -100,6 +101,7 @@ int checked(int status) {
 
 int main(int argc, char** argv) {
   tool::prepare_process();
+  tool::report_crashes();
   try {
     return checked(run(argc, argv));
   } catch (const Error& error) {

@@ -10,6 +10,9 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "component_text.hpp"
+#include "law_plot.hpp"
+#include "sample_scene.hpp"
 #include "text_table.hpp"
 #include "what_it_reads.hpp"
 
@@ -30,9 +33,13 @@ constexpr const char* plugin_show_examples = R"(Examples:
   springnet plugin show linear                    every component of that name
   springnet plugin show linear --kind viscosity   one kind of it
   springnet plugin show recurrent --json
+  springnet plugin show maxwell --sample > maxwell.toml && springnet run maxwell.toml
+  springnet plugin show nonlinear --plot curve.svg --set stiffness=3 --range 0.8:2
+  springnet plugin show plastic --plot loop.html --set yield_tension=0.2 --period 10
+  springnet plugin show scene.toml --plot laws.html        all laws of a scene, formulas too
 
 Exit status:
-  0 done   2 usage   3 there is no such component)";
+  0 done   1 the plot cannot be written   2 usage or scene   3 there is no such component)";
 
 struct KindWord {
   const char* word;
@@ -77,53 +84,9 @@ std::vector<std::string> capabilities_of(const Component& component) {
   return result;
 }
 
-bool is_law(const Component& component) {
-  return component.kind() == ComponentKind::spring_function || component.kind() == ComponentKind::viscosity_function;
-}
-
-std::vector<const springnet_parameter*> inputs_of(const Component& component) {
-  if (!is_law(component)) return {};
-  return {component.law().inputs, component.law().inputs + component.law().input_count};
-}
-
-std::vector<const springnet_parameter*> states_of(const Component& component) {
-  if (!is_law(component)) return {};
-  return {component.law().states, component.law().states + component.law().state_count};
-}
-
-std::vector<const springnet_parameter*> parameters_of(const Component& component) {
-  const springnet_component& description = *component.description;
-  return {description.parameters, description.parameters + description.parameter_count};
-}
-
-std::span<const springnet_table* const> tables_of(const Component& component) {
-  return springnet::tables_of(*component.description);
-}
-
-// Makes texts of a plugin's author and file names printable.
-std::string shown(const char* text) {
-  constexpr std::size_t max_length = 400;
-  return printable(text, max_length);
-}
-std::string shown(const std::filesystem::path& path) { return printable_message(path.string()); }
-
 std::string file_of(const Component& component) {
   return component.file.empty() ? "(linked into the program)" : shown(component.file);
 }
-
-// A parameter's value as in a scene.
-std::string value_text(const springnet_parameter& parameter, double value) {
-  switch (parameter.type) {
-    case SPRINGNET_CHOICE:
-      return fmt::format("\"{}\"", shown(parameter.choices[static_cast<std::size_t>(value)]));
-    case SPRINGNET_BOOLEAN:
-      return value != 0.0 ? "true" : "false";
-    default:
-      return fmt::format("{:g}", value);
-  }
-}
-
-bool required(const springnet_parameter& parameter) { return (parameter.flags & SPRINGNET_REQUIRED) != 0; }
 
 // "above 0", "0 to 1", "one of a, b", "any".
 std::string bounds_text(const springnet_parameter& parameter) {
@@ -145,47 +108,6 @@ std::string bounds_text(const springnet_parameter& parameter) {
   if (bounded_below) return fmt::format("{}{} {:g}", what, open ? "above" : "at least", parameter.smallest);
   if (bounded_above) return fmt::format("{}at most {:g}", what, parameter.largest);
   return parameter.type == SPRINGNET_INTEGER ? "whole" : "any";
-}
-
-// The id, with the plugin's where several have one of the kind and id.
-std::string name_in_scenes(const PluginHost& host, const Component& component) {
-  const auto& all = host.components();
-  const auto same = std::count_if(all.begin(), all.end(), [&component](const auto& other) {
-    return other->kind() == component.kind() && other->id() == component.id();
-  });
-  const std::string id(component.id());
-  return same < 2 ? id : id + '@' + shown(component.plugin->id);
-}
-
-// A line of a scene that uses the component.
-std::string scene_line(const Component& component, const std::string& name) {
-  std::string key, text;
-  switch (component.kind()) {
-    case ComponentKind::spring_function:
-      key = "spring", text = "type";
-      break;
-    case ComponentKind::viscosity_function:
-      key = "viscosity", text = "type";
-      break;
-    case ComponentKind::neuron:
-      key = "neuron", text = "type";
-      break;
-    case ComponentKind::integrator:
-      key = "integrator", text = "name";
-      break;
-  }
-  text = fmt::format("{} = \"{}\"", text, name);
-  if (component.kind() == ComponentKind::neuron) text += ", mass = 1";
-  for (const springnet_parameter* parameter : parameters_of(component)) {
-    const double value = required(*parameter) ? std::clamp(parameter->scale, parameter->smallest, parameter->largest)
-                                              : parameter->default_value;
-    text += fmt::format(", {} = {}", parameter->name, value_text(*parameter, value));
-  }
-  for (const springnet_table* table : tables_of(component)) {
-    if ((table->flags & SPRINGNET_OPTIONAL) != 0) continue;
-    text += fmt::format(", {} = {{ file = \"{}.csv\" }}", table->name, component.id());
-  }
-  return fmt::format("{} = {{ {} }}", key, text);
 }
 
 Json json_of(const springnet_parameter& parameter) {
@@ -377,8 +299,26 @@ void print_component(const PluginHost& host, const Component& component) {
   fmt::print("\n  in a scene:\n    {}\n", scene_line(component, name_in_scenes(host, component)));
 }
 
-int show(const PluginArguments& plugins, const std::string& id, const std::string& kind_word, bool json) {
+struct ShowArguments {
+  PluginArguments plugins;
+  std::string id, kind;
+  bool json = false, sample = false;
+  PlotArguments plot;
+};
+
+void print_plotted(const std::vector<std::string>& notes, const std::filesystem::path& file) {
+  for (const std::string& note : notes) fmt::print("note: {}\n", note);
+  fmt::print("{}\n", shown(file));
+}
+
+int show(const ShowArguments& arguments) {
+  const auto& [plugins, id, kind_word, json, sample, plot] = arguments;
   const auto host = plugins.load();
+  if (id.ends_with(".toml")) {
+    if (plot.file.empty()) throw Error(ErrorKind::input, "of a scene, only its laws can be drawn: add --plot FILE");
+    print_plotted(plot_scene(id, *host, plot), plot.file);
+    return done;
+  }
   std::vector<std::shared_ptr<const Component>> found;
   for (const KindWord& kind : kind_words) {
     if (!kind_word.empty() && kind_word != kind.word) continue;
@@ -400,6 +340,14 @@ int show(const PluginArguments& plugins, const std::string& id, const std::strin
     for (const Refusal& refusal : host->refusals())
       message += fmt::format("\n  {}: {}", shown(refusal.file), refusal.reason);
     throw Error(ErrorKind::plugin, message);
+  }
+  if (!plot.file.empty()) {
+    print_plotted(plot_components(found, plot), plot.file);
+    return done;
+  }
+  if (sample) {
+    fmt::print("{}", sample_scene(*found.front(), name_in_scenes(*host, *found.front())));
+    return done;
   }
   if (json) {
     Json components = Json::array();
@@ -430,23 +378,26 @@ void add_list(CLI::App& parent, Action& action) {
 }
 
 void add_show(CLI::App& parent, Action& action) {
-  struct Arguments {
-    PluginArguments plugins;
-    std::string id, kind;
-    bool json = false;
-  };
-  const auto arguments = std::make_shared<Arguments>();
-  CLI::App* const command = parent.add_subcommand("show", "Describe a component, its parameters and bounds");
-  command->add_option("ID", arguments->id, "Name of the component in a scene")->type_name("")->required();
+  const auto arguments = std::make_shared<ShowArguments>();
+  CLI::App* const command =
+      parent.add_subcommand("show", "Describe a component, its parameters and bounds, or draw a law");
+  command->add_option("ID", arguments->id, "Name of the component in a scene; with --plot also a scene, NAME.toml")
+      ->type_name("")
+      ->required();
   command->add_option("--kind", arguments->kind, "Only this kind: spring, viscosity, neuron or integrator")
       ->type_name("KIND")
       ->check(CLI::IsMember({"spring", "viscosity", "neuron", "integrator"}));
   arguments->plugins.add_to(*command);
   command->add_flag("--json", arguments->json, "Print JSON");
+  CLI::Option* const json = command->get_option("--json");
+  CLI::Option* const sample =
+      command->add_flag("--sample", arguments->sample, "Print a whole scene that uses the component")->excludes(json);
+  arguments->plot.add_to(*command);
+  command->get_option("--plot")->excludes(json)->excludes(sample);
+  for (const char* option : {"--set", "--range", "--reference", "--period"})
+    command->get_option(option)->needs(command->get_option("--plot"));
   command->footer(plugin_show_examples);
-  command->callback([arguments, &action] {
-    action = [arguments] { return show(arguments->plugins, arguments->id, arguments->kind, arguments->json); };
-  });
+  command->callback([arguments, &action] { action = [arguments] { return show(*arguments); }; });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "crash.hpp"
 #include "process.hpp"
 #include "profile_table.hpp"
 #include "progress.hpp"
@@ -195,6 +196,7 @@ int run(const RunArguments& arguments) {
   }
 
   catch_interrupts();
+  set_crash_folder(folder);
   options.folder = folder;
   options.profile = arguments.profile;
   options.trace = arguments.trace;

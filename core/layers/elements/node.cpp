@@ -105,7 +105,10 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
                                                    enclosures ? seen.q : seen.geometry.value,
                                                    enclosures ? seen.rate : seen.geometry.rate,
                                                    nullptr,
-                                                   {layout_.internal(), first.group, nodes, seen.places}},
+                                                   {layout_.internal(), first.group, nodes, seen.places},
+                                                   nullptr,
+                                                   {CalledMembers::Are::elements, static_cast<std::uint32_t>(count),
+                                                    sizeof(ElementShare) / sizeof(std::uint32_t), &first.element}},
                                                   set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();

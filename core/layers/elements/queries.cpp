@@ -32,7 +32,9 @@ springnet_status evaluate_element(const Layout& layout, InstructionSet set, doub
                        &state.value,
                        &state.rate,
                        nullptr,
-                       {layout.internal(), group, nodes, &place}};
+                       {layout.internal(), group, nodes, &place},
+                       nullptr,
+                       {CalledMembers::Are::elements, 1, 1, &element}};
   return evaluate_laws(batch, set, time, out, message);
 }
 

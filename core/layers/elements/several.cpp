@@ -83,10 +83,12 @@ SeveralMembers members_of(const ElementLayout& elements, const ElementBatch& bat
   elements.several_arrays(batch, members.reference, members.direction);
   const std::uint32_t* const rows = elements.rows(batch);
   members.rows = batch.one_row ? RowSelection{nullptr, rows[0]} : RowSelection{rows, 0};
+  members.called = called_for(elements, batch);
   return members;
 }
 
 void GatheredMembers::put(const ElementLayout& elements, std::size_t i, std::uint32_t element) noexcept {
+  element_[i] = element;
   const std::span<const std::uint32_t> own = elements.nodes(element);
   for (std::size_t c = 0; c < max_corners; ++c) corner_[c][i] = own[std::min(c, own.size() - 1)];
   const SeveralRest& rest = elements.rest(element);
@@ -100,6 +102,7 @@ const SeveralMembers& GatheredMembers::finish(std::size_t count) noexcept {
   for (std::size_t s = 0; s < max_scalars; ++s) members_.reference[s] = reference_[s];
   for (std::size_t c = 0; c < 3; ++c) members_.direction[c] = direction_[c];
   members_.rows = {row_, 0};
+  members_.called = {CalledMembers::Are::elements, static_cast<std::uint32_t>(count), 1, element_};
   return members_;
 }
 
@@ -129,6 +132,7 @@ springnet_status evaluate_several(const Group& group, const SeveralMembers& memb
   }
   LawBatch batch{group, members.corners.count, members.rows, nullptr, nullptr};
   batch.several = &inputs;
+  batch.members = members.called;
   return evaluate_laws(batch, set, time, out, message);
 }
 
@@ -151,6 +155,7 @@ springnet_status several_energy_gradients(const Group& group, const SeveralMembe
   }
   LawBatch batch{group, members.corners.count, members.rows, nullptr, nullptr};
   batch.several = &inputs;
+  batch.members = members.called;
   return evaluate_laws(batch, set, time, out, message);
 }
 

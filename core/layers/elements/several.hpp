@@ -17,7 +17,11 @@ struct SeveralMembers {
   const double* reference[max_scalars];  // [scalar][member]
   const double* direction[3];
   RowSelection rows;
+  CalledMembers called{};
 };
+[[nodiscard]] inline CalledMembers called_for(const ElementLayout& elements, const ElementBatch& batch) noexcept {
+  return {CalledMembers::Are::elements, batch.count, 1, elements.batched().data() + batch.begin};
+}
 // Those of a batch of the layout.
 [[nodiscard]] SeveralMembers members_of(const ElementLayout& elements, const ElementBatch& batch) noexcept;
 
@@ -38,7 +42,7 @@ class GatheredMembers {
   void put(const ElementLayout& elements, std::size_t i, std::uint32_t element) noexcept;
   const SeveralMembers& finish(std::size_t count) noexcept;
 
-  std::uint32_t corner_[max_corners][several_batch], row_[several_batch];
+  std::uint32_t corner_[max_corners][several_batch], row_[several_batch], element_[several_batch];
   double reference_[max_scalars][several_batch], direction_[3][several_batch];
   SeveralMembers members_;
 };

@@ -64,7 +64,9 @@ springnet_status Evaluator::evaluate_batch(const ElementBatch& batch, double tim
                                                  geometry.value,
                                                  geometry.rate,
                                                  nullptr,
-                                                 {layout_.internal(), batch.group, nodes, elements.places(batch)}},
+                                                 {layout_.internal(), batch.group, nodes, elements.places(batch)},
+                                                 nullptr,
+                                                 called_for(elements, batch)},
                                                 set_, time, {LawOutputs{force[0]}, LawOutputs{force[1]}}, message);
   if (status != SPRINGNET_OK) return status;
   const std::size_t pitch = elements.batched().size();
@@ -118,7 +120,9 @@ springnet_status Evaluator::evaluate_enclosures(double time, const NodeArrays& n
                                                    &sum.volume,
                                                    &sum.rate,
                                                    nullptr,
-                                                   {layout_.internal(), elements.group(e), nodes, &place}},
+                                                   {layout_.internal(), elements.group(e), nodes, &place},
+                                                   nullptr,
+                                                   {CalledMembers::Are::elements, 1, 1, &e}},
                                                   set_, time, answers.outputs(false, false), message);
     if (status != SPRINGNET_OK) return status;
     enclosure_force_[s] = element_force(group, answers, 0, false).force;

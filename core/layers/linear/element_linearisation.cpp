@@ -45,7 +45,15 @@ springnet_status ElementLinearisation::evaluate_elements(const ElementBatch& bat
     if (internal.has(batch.group)) places[i] = internal.of_element(members[i]);
   }
   PairAnswers<element_batch> answers;
-  const LawBatch laws{group, batch.count, {rows, 0}, q, rate, nullptr, {internal, batch.group, nodes, places}};
+  const LawBatch laws{group,
+                      batch.count,
+                      {rows, 0},
+                      q,
+                      rate,
+                      nullptr,
+                      {internal, batch.group, nodes, places},
+                      nullptr,
+                      {CalledMembers::Are::elements, static_cast<std::uint32_t>(batch.count), 1, members}};
   const springnet_status status =
       evaluate_laws(laws, evaluator_.instruction_set(), time, answers.outputs(true, false), message);
   if (status != SPRINGNET_OK) return status;

@@ -254,7 +254,9 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
                          geometry->length,
                          geometry->rate,
                          geometry->speed,
-                         {layout_.internal(), segment.group, nodes, unit.internal_of(segment)}};
+                         {layout_.internal(), segment.group, nodes, unit.internal_of(segment)},
+                         nullptr,
+                         {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}};
     if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) {
       sums.fits = false;
       return sums;

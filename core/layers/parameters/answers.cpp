@@ -80,7 +80,15 @@ springnet_status LawAnswers::find_elements(const HeldState& at, springnet_messag
     rows_[i] = elements.row(members_[i]);
     if (internal.has(piece_.group)) places[i] = internal.of_element(members_[i]);
   }
-  const LawBatch laws{*group_, piece_.count, {rows_, 0}, q, rate, nullptr, {internal, piece_.group, at.nodes, places}};
+  const LawBatch laws{*group_,
+                      piece_.count,
+                      {rows_, 0},
+                      q,
+                      rate,
+                      nullptr,
+                      {internal, piece_.group, at.nodes, places},
+                      nullptr,
+                      {CalledMembers::Are::elements, static_cast<std::uint32_t>(piece_.count), 1, members_}};
   return evaluate_laws(laws, evaluator_.instruction_set(), at.time, outputs(at.nodes.internal), message);
 }
 
@@ -100,6 +108,7 @@ springnet_status LawAnswers::find_several(const HeldState& at, springnet_message
   const SeveralInputs inputs = inputs_of(several_members_, *several_);
   LawBatch laws{*group_, batch.count, several_members_.rows, nullptr, nullptr};
   laws.several = &inputs;
+  laws.members = {CalledMembers::Are::elements, static_cast<std::uint32_t>(batch.count), 1, members_};
   return evaluate_laws(laws, set, at.time, outputs(nullptr), message);
 }
 

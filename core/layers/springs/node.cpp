@@ -112,7 +112,10 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
                          geometry.length,
                          geometry.rate,
                          geometry.speed,
-                         {layout_.internal(), begin->group, nodes, geometry.places}};
+                         {layout_.internal(), begin->group, nodes, geometry.places},
+                         nullptr,
+                         {CalledMembers::Are::springs, static_cast<std::uint32_t>(count),
+                          sizeof(Incident) / sizeof(std::uint32_t), &begin->spring}};
     const springnet_status status = evaluate_laws(batch, set_, time, out, message);
     if (status != SPRINGNET_OK) return status;
     const std::array<const Law*, 2> laws = group.laws();

@@ -33,7 +33,9 @@ springnet_status evaluate_springs(const Layout& layout, InstructionSet set, doub
                        geometry.length,
                        geometry.rate,
                        geometry.speed,
-                       {layout.internal(), group, nodes, places}};
+                       {layout.internal(), group, nodes, places},
+                       nullptr,
+                       {CalledMembers::Are::springs, static_cast<std::uint32_t>(count), 1, springs}};
   return evaluate_laws(batch, set, time, out, message);
 }
 

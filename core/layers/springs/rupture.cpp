@@ -65,7 +65,9 @@ springnet_status find_in_segment(const Search& search, std::uint32_t index, cons
                      geometry.length,
                      geometry.rate,
                      geometry.speed,
-                     {search.layout.internal(), segment.group, search.nodes, unit.internal_of(segment)}},
+                     {search.layout.internal(), segment.group, search.nodes, unit.internal_of(segment)},
+                     nullptr,
+                     {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}},
                     search.set, search.time, out, message);
   if (status != SPRINGNET_OK) return status;
   for (const LawOutputs& law : out) {

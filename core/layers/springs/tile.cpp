@@ -107,14 +107,17 @@ springnet_status Evaluator::apply_laws(const Unit& unit, const Segment& segment,
   double(&force_of)[2][max_segment] = scratch.springs[scratch.turn].force;
   const PairOutputs out{LawOutputs{force_of[0]}, LawOutputs{force_of[1]}};
   const InternalSelection internal(layout_.internal(), segment.group, nodes, unit.internal_of(segment));
+  const CalledMembers members{CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin};
   springnet_status status = SPRINGNET_OK;
   if (segment.row == mixed_rows) {
     const SegmentColumns columns(unit, segment, group);
-    status = evaluate_laws({group, segment.count, {nullptr, 0, columns.data()}, g.length, g.rate, g.speed, internal},
-                           set_, time, out, message);
+    status = evaluate_laws(
+        {group, segment.count, {nullptr, 0, columns.data()}, g.length, g.rate, g.speed, internal, nullptr, members},
+        set_, time, out, message);
   } else {
-    status = evaluate_laws({group, segment.count, {nullptr, segment.row}, g.length, g.rate, g.speed, internal}, set_,
-                           time, out, message);
+    status = evaluate_laws(
+        {group, segment.count, {nullptr, segment.row}, g.length, g.rate, g.speed, internal, nullptr, members}, set_,
+        time, out, message);
   }
   if (status != SPRINGNET_OK) return status;
 

@@ -58,8 +58,8 @@ void subtract(const NodeSprings& springs, const Directed& axial, const Directed&
 
 }  // namespace
 
-springnet_status Evaluator::add_springs(const NodeSprings& springs, const ListedNodes& own, double time,
-                                        const NodeArrays& nodes, double* const force[3],
+springnet_status Evaluator::add_springs(const NodeList& list, const NodeSprings& springs, const ListedNodes& own,
+                                        double time, const NodeArrays& nodes, double* const force[3],
                                         springnet_message& message) const {
   const Group& group = layout_.laws().groups[springs.group];
   const std::size_t count = springs.other.size();
@@ -82,13 +82,19 @@ springnet_status Evaluator::add_springs(const NodeSprings& springs, const Listed
   else if (axial)
     kernels_.lengths_of(changes, count, geometry);
   if (relative) kernels_.relative_speeds_of(changes, count, geometry);
+  // The springs' own numbers are not at hand.
+  const std::uint32_t first = springs.pieces.front().node;
+  const CalledMembers members{CalledMembers::Are::springs_of_nodes, springs.pieces.back().node - first + 1, 1,
+                              list.nodes.data() + first, layout_.ordering().user.data()};
   const LawBatch batch{group,
                        count,
                        springs.rows,
                        geometry.length,
                        geometry.rate,
                        geometry.speed,
-                       {layout_.internal(), springs.group, nodes, springs.places}};
+                       {layout_.internal(), springs.group, nodes, springs.places},
+                       nullptr,
+                       members};
   const springnet_status status =
       evaluate_laws(batch, set_, time, {LawOutputs{tension[0]}, LawOutputs{tension[1]}}, message);
   if (status != SPRINGNET_OK) return status;
@@ -103,7 +109,9 @@ springnet_status Evaluator::add_springs_of(const NodeList& list, const ListedNod
                                            const NodeArrays& nodes, double* const force[3],
                                            springnet_message& message) const {
   const profile::Part part("springs");
-  const auto add = [&](const NodeSprings& springs) { return add_springs(springs, own, time, nodes, force, message); };
+  const auto add = [&](const NodeSprings& springs) {
+    return add_springs(list, springs, own, time, nodes, force, message);
+  };
   if (list.springs.empty()) return for_each_batch(layout_, list.nodes, add);
   for (const NodeSprings& springs : list.springs)
     if (const springnet_status status = add(springs); status != SPRINGNET_OK) return status;
