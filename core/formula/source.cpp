@@ -249,6 +249,7 @@ void refuse_what_is_declared(const LawFormula& law) {
   if (!law.energy.empty()) refuse(fmt::format("an energy is not translated; {} (\"Energy, rupture\")", how));
   if (!law.margin.empty()) refuse(fmt::format("a margin is not translated; {} (\"Energy, rupture\")", how));
   if (!law.inputs.empty()) refuse(fmt::format("inputs are not translated; {} (\"Inputs\")", how));
+  if (!law.states.empty()) refuse(fmt::format("internal states are not translated; {} (\"Laws with memory\")", how));
   if (!law.curves.empty()) refuse(fmt::format("curves are not translated; {} (\"Tables\")", how));
   if (!law.scalars.empty() || !law.forces.empty())
     refuse(fmt::format("a law over several scalars is not translated; {} (\"Laws over several invariants\")", how));

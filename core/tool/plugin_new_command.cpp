@@ -40,7 +40,7 @@ struct PluginNewArguments {
   std::filesystem::path folder;
 };
 
-ComponentKind kind_of(const std::string& word) {
+ComponentKind project_kind(const std::string& word) {
   if (word == "viscosity") return ComponentKind::viscosity_function;
   if (word == "neuron") return ComponentKind::neuron;
   if (word == "integrator") return ComponentKind::integrator;
@@ -98,7 +98,7 @@ std::string prefix() {
 
 int write_project(const PluginNewArguments& arguments) {
   PluginProject project = arguments.project;
-  project.kind = kind_of(arguments.kind);
+  project.kind = project_kind(arguments.kind);
   const bool law = project.kind == ComponentKind::spring_function || project.kind == ComponentKind::viscosity_function;
   if (!law && !project.formula.empty())
     throw Error(ErrorKind::input,

@@ -120,6 +120,7 @@ TEST_CASE("what a plugin declares in another way is refused") {
   refused([](LawFormula& law) { law.energy = "k*e^2/2"; }, "\"Energy, rupture\"");
   refused([](LawFormula& law) { law.margin = "1 - e"; }, "\"Energy, rupture\"");
   refused([](LawFormula& law) { law.inputs = {{"k"}}; }, "\"Inputs\"");
+  refused([](LawFormula& law) { law.states = {{"z", "e - z"}}; }, "\"Laws with memory\"");
   refused([](LawFormula& law) { law.curves = {{"f", {0.0, 1.0}, {0.0, 1.0}}}; }, "\"Tables\"");
   refused([](LawFormula& law) { law.scalars = {{"a", "length(0, 1)"}}; }, "\"Laws over several invariants\"");
   refused([](LawFormula& law) { law.force = ""; }, "no formula");

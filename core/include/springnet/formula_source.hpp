@@ -20,7 +20,7 @@ struct FormulaSource {
 
 // Of a law with a force over one length, or over the relative speed. Parameters that the law does not list are those of
 // parameters_of(). Throws Error(input) as component_of() does, and for what a plugin has to declare in another way: an
-// energy, a margin, inputs, curves, several scalars, angles, areas and volumes.
+// energy, a margin, inputs, states, curves, several scalars, angles, areas and volumes.
 [[nodiscard]] SPRINGNET_API FormulaSource source_of(const LawFormula& formula);
 
 }  // namespace springnet
