@@ -72,9 +72,11 @@ std::size_t address_space() {
   return file ? pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) : 0;
 }
 
-void limit(int what, std::size_t value) {
+// Resource: the type of RLIMIT_CORE and so on, which systems name differently.
+template <class Resource>
+void limit(Resource what, std::size_t value) {
   const rlimit bound{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
-  setrlimit(static_cast<__rlimit_resource_t>(what), &bound);
+  setrlimit(what, &bound);
 }
 
 void set_limits(const Limits& limits) {

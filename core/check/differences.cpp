@@ -42,9 +42,10 @@ Extrapolated extrapolate(const std::array<double, levels>& differences, const st
 
 }  // namespace
 
-bool Slope::smooth() const noexcept {
-  const double size = std::max(std::abs(left), std::abs(right));
-  return std::isfinite(left) && std::isfinite(right) && std::abs(left - right) <= 4.0 * side_error + 1e-6 * size;
+bool Slope::smooth(double size) const noexcept {
+  if (!std::isfinite(left) || !std::isfinite(right)) return false;
+  size = std::max({size, std::abs(left), std::abs(right)});
+  return side_error <= 0.1 * size && std::abs(left - right) <= 4.0 * side_error + 1e-6 * size;
 }
 
 Verdict compare(double claimed, const Slope& slope) {
@@ -54,7 +55,7 @@ Verdict compare(double claimed, const Slope& slope) {
   if (!std::isfinite(slope.error) || !std::isfinite(slope.value)) return Verdict::undecided;
   const double size = std::max(std::abs(claimed), std::abs(slope.value));
   if (std::abs(claimed - slope.value) <= safety * slope.error + agreement * size) return Verdict::agrees;
-  return slope.smooth() ? Verdict::differs : Verdict::undecided;  // at a kink any slope between the two is right
+  return slope.smooth(size) ? Verdict::differs : Verdict::undecided;  // at a kink any slope between the two is right
 }
 
 bool differs_for_all_steps(double claimed, const Functions& functions, std::size_t function, double x, double step) {

@@ -13,8 +13,9 @@ struct Slope {
   double error = 0.0;              // estimate of what the value is off by; not finite: no estimate
   double left = 0.0, right = 0.0;  // from each side
   double side_error = 0.0;         // estimate for these
-  // Whether the sides agree within their errors: else there is a kink, or a jump, nearby.
-  [[nodiscard]] bool smooth() const noexcept;
+  // Whether the sides agree within their errors, and these are small against `size` or the slopes themselves: else
+  // there is a kink, or a jump, nearby.
+  [[nodiscard]] bool smooth(double size = 0.0) const noexcept;
 };
 
 // How a value compares with a slope. undecided: the slope is not accurate enough, or there is a kink.

@@ -272,7 +272,8 @@ std::vector<double> LawCall::rows_at(const Point& point, const How& how) const {
   return rows;
 }
 
-double LawCall::time_of(const std::vector<Point>& points, const How& how, int times) const {
+template <class Each>
+void LawCall::repeat(const std::vector<Point>& points, const How& how, int times, const Each& each) const {
   Memory memory(how.layout);
   springnet_law_batch batch{};
   springnet_law_update none{};
@@ -285,10 +286,34 @@ double LawCall::time_of(const std::vector<Point>& points, const How& how, int ti
   } else {
     batch.force = forces[0];
   }
-  const auto start = std::chrono::steady_clock::now();
-  for (int k = 0; k < times; ++k)
+  for (int k = 0; k < times; ++k) {
     if (law_.evaluate(law_.context, &batch) != SPRINGNET_OK) throw std::runtime_error("the law fails");
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / times;
+    each(forces);
+  }
+}
+
+double LawCall::time_of(const std::vector<Point>& points, const How& how, int times) const {
+  double seconds = 0.0;
+  auto last = std::chrono::steady_clock::now();
+  int calls = -1;
+  // From the end of the first call on, which warms the caches up.
+  repeat(points, how, times + 1, [&](const std::vector<double*>&) {
+    if (++calls == 0) last = std::chrono::steady_clock::now();
+    if (calls == times) seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - last).count();
+  });
+  return seconds / times;
+}
+
+int LawCall::different_calls(const std::vector<Point>& points, const Answer& expected, int times) const {
+  int different = 0;
+  repeat(points, {}, times, [&](const std::vector<double*>& forces) {
+    bool same = true;
+    for (std::size_t i = 0; i < forces.size(); ++i)
+      for (std::size_t k = 0; forces[i] != nullptr && k < points.size(); ++k)
+        same = same && same_bits(forces[i][k], expected.rows[i][k]);
+    if (!same) ++different;
+  });
+  return different;
 }
 
 std::vector<double> LawCall::start_states(const Point& point, Memory::Layout layout) const {

@@ -64,12 +64,17 @@ class LawCall {
   [[nodiscard]] Answer operator()(const std::vector<Point>& points, const How& how = {}) const;
   // One element; throws std::runtime_error if the law fails. [row]
   [[nodiscard]] std::vector<double> rows_at(const Point& point, const How& how = {}) const;
+  // The number of `times` calls for the forces alone whose bits are not those of `expected`.
+  [[nodiscard]] int different_calls(const std::vector<Point>& points, const Answer& expected, int times) const;
   // s for one of `times` calls for the forces alone of these elements.
   [[nodiscard]] double time_of(const std::vector<Point>& points, const How& how, int times) const;
   // The states at the start, by the law's `start` if it has one. Throws std::runtime_error if that fails.
   [[nodiscard]] std::vector<double> start_states(const Point& point, Memory::Layout layout) const;
 
  private:
+  // Calls the law `times` times for the forces alone of these elements; `each` sees them after each call.
+  template <class Each>
+  void repeat(const std::vector<Point>& points, const How& how, int times, const Each& each) const;
   void set_inputs(const std::vector<Point>& points, const How& how, Memory& memory, springnet_law_batch& batch,
                   springnet_law_update& update) const;
 

@@ -101,8 +101,13 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
 #ifdef MISTAKE_FAILS
   return SPRINGNET_FAILED;
 #endif
-  static double remembered = 0.0;
-  (void)remembered;
+#ifdef MISTAKE_REMEMBERS
+  static uint32_t calls = 0;
+#endif
+#ifdef MISTAKE_THREADS
+  static volatile double elongations[64]; /* scratch memory that all threads share */
+  for (uint32_t i = 0; i < b->count; ++i) elongations[i % 64] = b->q[i] - b->reference[i * b->reference_stride];
+#endif
   for (uint32_t i = 0; i < b->count; ++i) {
     const double k = b->parameters[stiffness][i * b->parameter_strides[stiffness]];
     const double d = b->parameters[damping][i * b->parameter_strides[damping]] * RATE_SIGN;
@@ -131,8 +136,7 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
     force *= 1.0 + 1e-15 * (b->count % 7);
 #endif
 #ifdef MISTAKE_REMEMBERS
-    force += 1e-13 * remembered;
-    remembered = 0.5 * (remembered + force);
+    force *= 1.0 + 1e-15 * (calls++ % 5);
 #endif
 #ifdef MISTAKE_CHANGES_INPUTS
     ((double*)b->q)[i] = q + 0.0;
@@ -144,10 +148,7 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
     margin_slope = 0.0;
 #endif
 #ifdef MISTAKE_THREADS
-    static volatile double shared;
-    shared = e;
-    for (int turn = 0; turn < 20; ++turn) shared = shared + 0.0;
-    force = k * shared + d * b->rate[i];
+    if (b->count <= 64) force = k * elongations[i] + d * b->rate[i];
 #endif
     if (b->force) b->force[i] = force;
     if (b->energy) b->energy[i] = energy;
