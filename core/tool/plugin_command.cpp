@@ -33,10 +33,10 @@ constexpr const char* plugin_show_examples = R"(Examples:
   springnet plugin show linear                    every component of that name
   springnet plugin show linear --kind viscosity   one kind of it
   springnet plugin show recurrent --json
-  springnet plugin show maxwell --sample > maxwell.toml && springnet run maxwell.toml
+  springnet plugin show maxwell --sample > maxwell.toml    a scene that runs
   springnet plugin show nonlinear --plot curve.svg --set stiffness=3 --range 0.8:2
   springnet plugin show plastic --plot loop.html --set yield_tension=0.2 --period 10
-  springnet plugin show scene.toml --plot laws.html        all laws of a scene, formulas too
+  springnet plugin show maxwell.toml --plot laws.html      all laws of a scene, formulas too
 
 Exit status:
   0 done   1 the plot cannot be written   2 usage or scene   3 there is no such component)";
