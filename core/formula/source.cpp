@@ -288,7 +288,7 @@ void refuse_terms(const Expression& formula) {
 // As the engine has it for parameters of plugins: snake_case, and keys of scenes are taken.
 void check_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    if (name[0] < 'a' || name[0] > 'z')
+    if (name[0] == '_')
       refuse(fmt::format("parameter '{}': names of a plugin's parameters begin with a lower-case letter; rename it",
                          name));
     if (name == "type" || name == "name")
@@ -337,11 +337,11 @@ FormulaSource source_of(const LawFormula& given) {
     const auto is_it = [&](const FormulaSymbol& each) { return each.name == name; };
     if (std::none_of(law.parameters.begin(), law.parameters.end(), is_it)) law.parameters.push_back({name});
   }
-  const std::shared_ptr<const Component> component = component_of(law);  // says what else is wrong
-
   FormulaSource source;
   for (const FormulaSymbol& each : law.parameters) source.parameters.push_back(each.name);
   check_names(source.parameters);
+  const std::shared_ptr<const Component> component = component_of(law);  // says what else is wrong
+
   for (const std::string& name : source.parameters)
     source.enumerators.push_back(enumerator_of(name, source.parameters));
 
