@@ -9,6 +9,7 @@
 
 #include <springnet/printable.hpp>
 
+#include "check/integrator_checks.hpp"
 #include "check/law_checks.hpp"
 #include "check/neuron_checks.hpp"
 #include "check/texts.hpp"
@@ -52,6 +53,18 @@ const std::vector<NeuronCheck>& neuron_checks() {
   return checks;
 }
 
+struct IntegratorCheck {
+  std::string_view name;
+  Outcome (*run)(const Component&, const PluginHost&);
+  std::vector<std::string_view> needs;
+};
+const std::vector<IntegratorCheck>& integrator_checks() {
+  static const std::vector<IntegratorCheck> checks{{"call", check_integrator_call, {"load"}},
+                                                   {"order", check_integrator_order, {"call"}},
+                                                   {"momentum", check_integrator_momentum, {"call"}}};
+  return checks;
+}
+
 // Findings of one component, in the order of the checks.
 class Judge {
  public:
@@ -91,8 +104,8 @@ void check_one(const std::shared_ptr<const Component>& component, const LawUse* 
         judge.run(check.name, check.needs, "the neuron", [&] { return check.run(*component, options.seed); });
       break;
     case ComponentKind::integrator:
-      if (judge.wanted("call"))
-        judge.note("call", {Result::skipped, "of integrators only loading and texts are checked"});
+      for (const IntegratorCheck& check : integrator_checks())
+        judge.run(check.name, check.needs, "the integrator", [&] { return check.run(*component, *options.host); });
       break;
     default: {
       const LawSubject subject{component, options.host, use, options.seed};
@@ -130,6 +143,7 @@ const std::vector<std::string_view>& check_names() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{"load"};
     for (const LawCheck& check : law_checks()) all.push_back(check.name);
+    all.push_back("momentum");
     return all;
   }();
   return names;

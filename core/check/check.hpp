@@ -21,9 +21,10 @@ namespace springnet::check {
 
 struct Options {
   std::uint64_t seed = 1;
-  std::string only;                        // one check, and no others; empty: all
-  Limits limits;                           // of each check
-  std::shared_ptr<const PluginHost> host;  // of the integrators that laws are tried with
+  std::string only;  // one check, and no others; empty: all
+  Limits limits;     // of each check
+  std::shared_ptr<const PluginHost>
+      host;  // what components are tried with: integrators, `linear`, `point_mass`; not null
 };
 
 // Names that Options::only takes, in the order of the checks.

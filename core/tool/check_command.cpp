@@ -29,7 +29,8 @@ constexpr const char* check_examples =
   springnet plugin check muscle --only derivatives --seed 7
 
 Every check runs in a process of its own: a law that crashes, hangs or ends the process is a line of the report.
-Checks, in this order: load call arrays finite rest energy derivatives dissipation batches states promises order speed.
+Checks of laws, in this order: load call arrays finite rest energy derivatives dissipation batches states promises order
+speed. Of neurons: load call finite derivatives. Of integrators: load call order momentum.
 
 Exit status:
   0 all passed, perhaps with warnings   1 a check failed   2 usage   3 the plugin cannot be loaded)";

@@ -40,8 +40,8 @@ struct Case {
 
 }  // namespace
 
-TEST_CASE("the laws without a mistake pass") {
-  for (const char* name : {"right", "right_with_state"}) {
+TEST_CASE("components without a mistake pass") {
+  for (const char* name : {"right", "right_with_state", "right_neuron"}) {
     const check::Report report = report_on(name);
     for (const check::Finding& finding : report.findings) {
       CAPTURE(std::string(name));
@@ -76,6 +76,8 @@ TEST_CASE("each mistake fails its own check first") {
            Case{"remembers_states", "batches", Result::failed, "an update"},
            Case{"falls", "promises", Result::failed, "MONOTONE"},
            Case{"pushes", "promises", Result::failed, "ACTS_IN_COMPRESSION"},
+           Case{"neuron_derivative", "derivatives", Result::failed, "by the velocity"},
+           Case{"neuron_force", "derivatives", Result::failed, "F / m"},
            Case{"margin", "promises", Result::failed, "margin"},
        }) {
     CAPTURE(std::string(each.name));

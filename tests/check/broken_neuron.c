@@ -1,0 +1,66 @@
+/* A neuron in plain C, a = F / m - c v, right but for the mistake that MISTAKE_… chooses. */
+#include <springnet/sdk/plugin.h>
+
+static const springnet_parameter drag = {.struct_size = sizeof(springnet_parameter),
+                                         .type = SPRINGNET_NUMBER,
+                                         .name = "drag",
+                                         .unit = "1/s",
+                                         .summary = "c",
+                                         .default_value = 0.5,
+                                         .smallest = 0,
+                                         .largest = 100,
+                                         .scale = 1};
+static const springnet_parameter* const parameters[] = {&drag};
+
+static springnet_status evaluate(void* context, const springnet_neuron_batch* b) {
+  (void)context;
+  const double *force[] = {b->force.x, b->force.y, b->force.z},
+               *velocity[] = {b->velocity.x, b->velocity.y, b->velocity.z};
+  double* const acceleration[] = {b->acceleration.x, b->acceleration.y, b->acceleration.z};
+  for (uint32_t i = 0; i < b->count; ++i) {
+    const double c = b->parameters[0][i * b->parameter_strides[0]];
+#ifdef MISTAKE_FORCE
+    const double mobility = 0.5 / b->mass[i];
+#else
+    const double mobility = 1.0 / b->mass[i];
+#endif
+#ifdef MISTAKE_DERIVATIVE
+    const double by_velocity = c;
+#else
+    const double by_velocity = -c;
+#endif
+    for (uint32_t k = 0; k < 3; ++k) acceleration[k][i] = force[k][i] * mobility - c * velocity[k][i];
+    for (uint32_t k = 0; k < 9; ++k) {
+      const double diagonal = k % 4 == 0 ? 1.0 : 0.0;
+      if (b->acceleration_by_force) b->acceleration_by_force[9 * i + k] = diagonal * mobility;
+      if (b->acceleration_by_position) b->acceleration_by_position[9 * i + k] = 0.0;
+      if (b->acceleration_by_velocity) b->acceleration_by_velocity[9 * i + k] = diagonal * by_velocity;
+    }
+  }
+  return SPRINGNET_OK;
+}
+
+static const springnet_neuron_model model = {.struct_size = sizeof(springnet_neuron_model), .evaluate = evaluate};
+static const springnet_component component = {.struct_size = sizeof(springnet_component),
+                                              .kind = SPRINGNET_NEURON,
+                                              .id = "broken",
+                                              .summary = "right but for one mistake",
+                                              .reference = "",
+                                              .capabilities = SPRINGNET_HAS_DERIVATIVES,
+                                              .parameter_count = 1,
+                                              .parameters = parameters,
+                                              .implementation = &model};
+static const springnet_component* const components[] = {&component};
+
+SPRINGNET_PLUGIN_NOTE(0);
+SPRINGNET_EXPORT extern const springnet_plugin springnet_plugin_entry;
+const springnet_plugin springnet_plugin_entry = {.magic = SPRINGNET_MAGIC,
+                                                 .struct_size = sizeof(springnet_plugin),
+                                                 .abi_major = SPRINGNET_ABI_MAJOR,
+                                                 .abi_minor = SPRINGNET_ABI_MINOR,
+                                                 .component_count = 1,
+                                                 .id = "org.example.broken_neuron",
+                                                 .version = "1.0",
+                                                 .author = "a test",
+                                                 .licence = "MIT",
+                                                 .components = components};
