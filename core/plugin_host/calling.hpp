@@ -11,14 +11,14 @@ namespace springnet {
 class Calling {
  public:
   explicit Calling(const Component& component, const CalledMembers& members = {}) noexcept
-      : call_{&component, members}, outer_(innermost_) {
+      : call_{&component, members}, outer_(innermost()) {
     std::atomic_signal_fence(std::memory_order_release);
-    innermost_ = this;
+    innermost() = this;
     std::atomic_signal_fence(std::memory_order_release);
   }
   ~Calling() {
     std::atomic_signal_fence(std::memory_order_release);
-    innermost_ = outer_;
+    innermost() = outer_;
   }
   Calling(const Calling&) = delete;
   Calling& operator=(const Calling&) = delete;
@@ -28,8 +28,8 @@ class Calling {
 
   CurrentCall call_;
   const Calling* outer_;
-  // initial-exec: reading it in a signal handler must not allocate, as the default model may.
-  SPRINGNET_API static constinit thread_local const Calling* innermost_ __attribute__((tls_model("initial-exec")));
+  // Of this thread.
+  [[nodiscard]] SPRINGNET_API static const Calling*& innermost() noexcept;
 };
 
 }  // namespace springnet

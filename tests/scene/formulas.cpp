@@ -103,7 +103,7 @@ TEST_CASE("mistakes in formulas of scenes are told with file, line, column, key 
                               "[[element]]\ninvariant = \"triangle\"\nselect = { body = \"sheet\" }\n";
   refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1 }\n", "element.0.spring | has no 'scalars'");
   refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1, scalars = { a = \"length(0, 3)\" } }\n",
-          "length(0, 3)");
+          "element.0.spring.energy | corner 3");
   refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1, scalars = { a = \"size(0, 1)\" } }\n",
           "'size(0, 1)' is none | area(0, 1, 2)");
   refused(element + "spring = { formula = { b = \"k*a\" }, k = 1, scalars = { a = \"length(0, 1)\" } }\n",
