@@ -403,8 +403,8 @@ void add_show(CLI::App& parent, Action& action) {
 }  // namespace
 
 void add_plugin(CLI::App& app, Action& action) {
-  CLI::App* const command = app.add_subcommand(
-      "plugin", "List the available laws, neurons and integrators, describe, test or start one");
+  CLI::App* const command =
+      app.add_subcommand("plugin", "List the available laws, neurons and integrators, describe, test or start one");
   command->require_subcommand(1);
   add_list(*command, action);
   add_show(*command, action);
