@@ -82,9 +82,13 @@ void limit(Resource what, std::size_t value) {
 void set_limits(const Limits& limits) {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, static_cast<std::size_t>(std::ceil(limits.seconds)) + 1);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  if (const std::size_t used = address_space(); used > 0) limit(RLIMIT_AS, used + limits.memory);
+  // Sanitizers reserve terabytes.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr bool can_limit_memory = false;
+#else
+  constexpr bool can_limit_memory = true;
 #endif
+  if (const std::size_t used = can_limit_memory ? address_space() : 0; used > 0) limit(RLIMIT_AS, used + limits.memory);
 }
 
 void copy_text(char* to, std::size_t size, const std::string& text) {
