@@ -33,8 +33,8 @@ struct FormulaCurve {
   std::string name;
   std::vector<double> x, y;
 };
-// An internal state of a law: it starts at `start` and changes by `rate`, a formula that may read it. Steps are those of
-// the SDK (backward Euler, and its extrapolation of second order).
+// An internal state of a law: it starts at `start` and changes by `rate`, a formula that may read it. Steps are those
+// of the SDK (backward Euler, and its extrapolation of second order).
 struct FormulaState {
   std::string name;
   std::string rate;  // per second
