@@ -36,6 +36,8 @@ struct Program {
 template <class OftenSame>
 [[nodiscard]] Program schedule(const Graph& graph, std::span<const Node> outputs, const OftenSame& often_same);
 
+// Of one program: forces and tangent of a law over seven scalars have 7 + 7 * 14.
+inline constexpr std::size_t max_outputs = 128;
 // Numbers of a tile.
 inline constexpr std::size_t tile_size = 256;
 

@@ -132,15 +132,17 @@ class Machine {
         ++varying;
     }
     // Where an output is computed tile by tile, it is written to its array at once.
-    const auto first_of = [&](std::size_t k) {
+    std::array<std::uint32_t, max_outputs> direct;
+    std::size_t direct_count = 0;
+    for (std::uint32_t k = 0; k < program.outputs.size(); ++k) {
       const Place place = program.outputs[k];
-      for (std::size_t other = 0; other < k; ++other)
-        if (program.outputs[other] == place && call.outputs[other] != nullptr) return false;
-      return call.outputs[k] != nullptr && place >= first_slot && varies[place] != 0;
-    };
+      const auto has_place = [&](std::uint32_t other) { return program.outputs[other] == place; };
+      if (call.outputs[k] != nullptr && place >= first_slot && varies[place] != 0 &&
+          std::none_of(direct.data(), direct.data() + direct_count, has_place))
+        direct[direct_count++] = k;
+    }
     for (std::size_t begin = 0; begin < call.batch.count; begin += tile_size) {
-      for (std::size_t k = 0; k < program.outputs.size(); ++k)
-        if (first_of(k)) at[program.outputs[k]] = call.outputs[k] + begin;
+      for (std::size_t k = 0; k < direct_count; ++k) at[program.outputs[direct[k]]] = call.outputs[direct[k]] + begin;
       const std::size_t count = std::min(tile_size, call.batch.count - begin);
       const auto argument = [&](Place place) -> Argument {
         const std::size_t stride = varies[place] != 0 ? 1 : 0;
