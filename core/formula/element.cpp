@@ -17,11 +17,12 @@ sdk::Dual<N> curve_at(const Curves& curves, std::uint32_t table, unsigned order,
 template <std::size_t N>
 sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curves& curves) {
   using Number = sdk::Dual<N>;
-  const Number &a = at[step.a], &b = at[step.b], &c = at[step.c];
+  const Number &a = at[step.a], &b = at[step.b], &c = at[step.c], &d = at[step.d];
   const auto number = [](bool condition) { return Number(condition ? 1.0 : 0.0); };
   switch (step.code) {
     case Code::constant:
     case Code::input:
+    case Code::expm1_and_slope:  // two results
       break;
     case Code::negative:
       return -a;
@@ -61,6 +62,8 @@ sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curv
       return sdk::exp(a);
     case Code::expm1:
       return sdk::expm1(a);
+    case Code::expm1_slope:
+      return sdk::detail::expm1_and_exp(a).value;
     case Code::log:
       return sdk::log(a);
     case Code::log1p:
@@ -93,6 +96,12 @@ sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curv
       return a * b - c;
     case Code::difference_product:
       return c - a * b;
+    case Code::product_product:
+      return a * b * c;
+    case Code::sum_of_products:
+      return a * b + c * d;
+    case Code::products_difference:
+      return a * b - c * d;
     case Code::power:
       return sdk::pow(a, b);
     case Code::hypot:
@@ -120,7 +129,15 @@ void evaluate_element(const Program& program, const Curves& curves, const sdk::D
   for (std::size_t k = 0; k < program.inputs.size(); ++k) put(k, columns[program.inputs[k]]);
   for (std::size_t k = 0; k < program.constants.size(); ++k)
     put(program.first_constant() + k, Number(program.constants[k]));
-  for (const ProgramStep& step : program.steps) put(step.to, step_of(step, at, curves));
+  for (const ProgramStep& step : program.steps) {
+    if (step.code == Code::expm1_and_slope) {
+      const auto both = sdk::detail::expm1_and_exp(at[step.a]);
+      put(step.to, both.less_1);
+      put(step.also, both.value);
+    } else {
+      put(step.to, step_of(step, at, curves));
+    }
+  }
   for (std::size_t k = 0; k < program.outputs.size(); ++k) outputs[k] = at[program.outputs[k]];
 }
 

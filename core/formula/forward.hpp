@@ -153,7 +153,9 @@ typename Forward<Base>::Number Forward<Base>::apply(Code code, const Number& x) 
     case Code::exp:
       return chain(x, own, own);
     case Code::expm1:
-      return chain(x, own, of(Code::exp));
+      return chain(x, own, of(Code::expm1_slope));
+    case Code::expm1_slope:
+      return chain(x, own, own);
     case Code::log:
       return chain_steep(x, own, one_over(v));
     case Code::log1p:

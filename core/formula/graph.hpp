@@ -34,6 +34,7 @@ enum class Code : std::uint8_t {
   cbrt,
   exp,
   expm1,
+  expm1_slope,  // exp, with the bits that dual numbers have beside expm1
   log,
   log1p,
   log10,
@@ -53,10 +54,14 @@ enum class Code : std::uint8_t {
   curve,        // of a table, index: which
   curve_slope,  // its derivative
   curve_bend,   // its second derivative
-  // Of programs alone: two steps in one loop, each rounded as by itself.
-  product_sum,         // a b + c
-  product_difference,  // a b - c
-  difference_product   // c - a b
+  // Of programs alone: several steps in one loop, each rounded as by itself.
+  product_sum,          // a b + c
+  product_difference,   // a b - c
+  difference_product,   // c - a b
+  product_product,      // (a b) c
+  sum_of_products,      // a b + c d
+  products_difference,  // a b - c d
+  expm1_and_slope       // two results
 };
 
 struct Step {

@@ -243,8 +243,9 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
 // The arguments of a batch by their columns.
 struct Law::Arguments {
   static constexpr sdk::JacobianLayout most{SPRINGNET_MOST_INVARIANTS, max_parameters, max_states, max_inputs};
-  std::array<const double*, most.columns(false)> values{};
-  std::array<std::uint32_t, most.columns(false)> strides{};
+  // Not initialised beyond what the layout has.
+  std::array<const double*, most.columns(false)> values;
+  std::array<std::uint32_t, most.columns(false)> strides;
 
   Arguments(const springnet_law_batch& b, const sdk::JacobianLayout& layout, bool several) {
     const auto set = [&](std::size_t column, const double* from, std::uint32_t stride) {
@@ -297,7 +298,7 @@ void Law::evaluate(const springnet_law_batch& b) const {
   };
 
   // Forces and their tangent.
-  std::array<double*, SPRINGNET_MOST_INVARIANTS*(1 + 2 * SPRINGNET_MOST_INVARIANTS)> outputs{};
+  std::array<double*, SPRINGNET_MOST_INVARIANTS*(1 + 2 * SPRINGNET_MOST_INVARIANTS)> outputs;
   bool forces = false, tangent = false;
   for (std::size_t i = 0; i < scalars; ++i) {
     outputs[i] = several_ ? (b.forces == nullptr ? nullptr : b.forces[i]) : b.force;
@@ -317,6 +318,8 @@ void Law::evaluate(const springnet_law_batch& b) const {
   if (b.margin != nullptr) run(margin_.values, batch, &b.margin);
 
   // Other derivatives, from the matrix and from lists of their own; where both ask, the matrix gets a copy.
+  if (b.derivatives == nullptr && b.force_by_parameters == nullptr && b.energy_by_q == nullptr && layout_.states == 0)
+    return;
   const auto rest = [&](const Quantity& quantity, std::size_t first_row, std::size_t first, const auto& listed) {
     if (quantity.rows == 0) return;
     run_columns(quantity, batch, first, [&](std::size_t row, std::size_t column) {

@@ -9,9 +9,9 @@ namespace {
 
 // A step of the program whose arguments are nodes still.
 struct Work {
-  Node node;
+  Node node, also;
   Code code;
-  std::array<Node, 3> arguments;
+  std::array<Node, 4> arguments;
 };
 
 class Scheduler {
@@ -49,18 +49,21 @@ class Scheduler {
         if (a != no_node) last_use[a] = k;
     std::vector<Place> free;
     const Place first = program.first_slot();
-    for (std::size_t k = 0; k < work_.size(); ++k) {
-      const Work& work = work_[k];
+    const auto take = [&](Node node) {
       Place to = first + program.slots;
-      if (!keeps(work.node) && !free.empty()) {
+      if (!keeps(node) && !free.empty()) {
         to = free.back();
         free.pop_back();
       } else {
         ++program.slots;
       }
-      place[work.node] = to;
+      return place[node] = to;
+    };
+    for (std::size_t k = 0; k < work_.size(); ++k) {
+      const Work& work = work_[k];
+      const Place to = take(work.node), also = work.also == no_node ? to : take(work.also);
       const auto of = [&](std::size_t i) { return work.arguments[i] == no_node ? Place{0} : place[work.arguments[i]]; };
-      program.steps.push_back({work.code, to, of(0), of(1), of(2), graph_[work.node].index});
+      program.steps.push_back({work.code, to, of(0), of(1), of(2), of(3), also, graph_[work.node].index});
       // A step may not write where it reads, so its own arguments are free after it.
       for (const Node a : work.arguments) {
         if (a == no_node || last_use[a] != k || keeps(a) || place[a] < first) continue;
@@ -87,38 +90,69 @@ class Scheduler {
           if (a != no_node) needed_[a] = true;
   }
 
-  // In the order of the graph. A product that one sum or difference alone reads is done with it.
+  // In the order of the graph. A product that one sum, difference or product alone reads is done with it, and so are
+  // e^x - 1 and its slope.
   void list_work() {
     std::vector<unsigned> uses(graph_.size(), 0);
-    for (Node node = 0; node < graph_.size(); ++node)
-      if (needed_[node])
-        for (const Node a : arguments(node))
-          if (a != no_node) ++uses[a];
+    std::map<Node, Node> slopes;  // of e^x - 1, by x
+    for (Node node = 0; node < graph_.size(); ++node) {
+      if (!needed_[node]) continue;
+      for (const Node a : arguments(node))
+        if (a != no_node) ++uses[a];
+      if (graph_[node].code == Code::expm1_slope) slopes.emplace(graph_[node].a, node);
+    }
     const auto can_join = [&](Node a) { return graph_[a].code == Code::product && uses[a] == 1 && !keeps(a); };
     std::vector<Work> reversed;
     std::vector<bool> is_joined(graph_.size(), false);
+    std::map<Node, Node> pairs;  // the later one by the earlier one
+    for (Node node = 0; node < graph_.size(); ++node) {
+      if (!needed_[node] || graph_[node].code != Code::expm1) continue;
+      if (const auto slope = slopes.find(graph_[node].a); slope != slopes.end()) {
+        const auto [first, second] = std::minmax(node, slope->second);
+        pairs.emplace(first, second);
+        is_joined[second] = true;
+      }
+    }
     for (std::size_t i = graph_.size(); i-- > 0;) {
       const auto node = static_cast<Node>(i);
       const Step& step = graph_[node];
       if (!needed_[node] || is_joined[node] || step.code == Code::constant || step.code == Code::input) continue;
-      Work work{node, step.code, arguments(node)};
-      const bool is_sum = step.code == Code::sum;
-      if ((is_sum || step.code == Code::difference) && !same_[node]) {
-        const Node product = can_join(step.a) ? step.a : can_join(step.b) ? step.b : no_node;
-        if (product != no_node) {
-          const Node other = product == step.a ? step.b : step.a;
-          is_joined[product] = true;
-          work.code = is_sum              ? Code::product_sum
-                      : product == step.a ? Code::product_difference
-                                          : Code::difference_product;
-          work.arguments = {graph_[product].a, graph_[product].b, other};
-          // The one that varies first, if only one does.
-          if (same_[work.arguments[0]]) std::swap(work.arguments[0], work.arguments[1]);
-        }
+      Work work{node, no_node, step.code, {step.a, step.b, step.c, no_node}};
+      if (const auto pair = pairs.find(node); pair != pairs.end()) {
+        const bool is_slope = step.code == Code::expm1_slope;
+        work.node = is_slope ? pair->second : node;
+        work.also = is_slope ? node : pair->second;
+        work.code = Code::expm1_and_slope;
       }
+      if (!same_[node]) join_products(step, can_join, work, is_joined);
       reversed.push_back(work);
     }
     work_.assign(reversed.rbegin(), reversed.rend());
+  }
+  template <class CanJoin>
+  void join_products(const Step& step, const CanJoin& can_join, Work& work, std::vector<bool>& is_joined) const {
+    const bool is_sum = step.code == Code::sum, is_product = step.code == Code::product;
+    if (!is_sum && !is_product && step.code != Code::difference) return;
+    const Node joined = can_join(step.a) ? step.a : can_join(step.b) ? step.b : no_node;
+    if (joined == no_node) return;
+    const Node other = joined == step.a ? step.b : step.a;
+    const auto take = [&](Node product, std::size_t at) {
+      is_joined[product] = true;
+      work.arguments[at] = graph_[product].a;
+      work.arguments[at + 1] = graph_[product].b;
+      // The one that varies first, if only one does.
+      if (same_[work.arguments[at]]) std::swap(work.arguments[at], work.arguments[at + 1]);
+    };
+    take(joined, 0);
+    work.arguments[2] = other;
+    if (is_product) {
+      work.code = Code::product_product;
+    } else if (other != joined && can_join(other)) {
+      work.code = is_sum ? Code::sum_of_products : Code::products_difference;
+      take(other, 2);
+    } else {
+      work.code = is_sum ? Code::product_sum : joined == step.a ? Code::product_difference : Code::difference_product;
+    }
   }
 
   const Graph& graph_;

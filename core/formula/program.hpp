@@ -15,7 +15,8 @@ using Place = std::uint32_t;
 
 struct ProgramStep {
   Code code;
-  Place to, a, b, c;
+  Place to, a, b, c, d;
+  Place also;           // of a second result
   std::uint32_t index;  // of a table
 };
 
@@ -38,8 +39,9 @@ template <class OftenSame>
 
 // Of one program: forces and tangent of a law over seven scalars have 7 + 7 * 14.
 inline constexpr std::size_t max_outputs = 128;
-// Numbers of a tile.
-inline constexpr std::size_t tile_size = 256;
+// Numbers of a tile: as many as a call of the engine has, so that it is one tile; and no power of two, for which the
+// same number of all slots would compete for the same lines of the cache.
+inline constexpr std::size_t tile_size = 448;
 
 // What evaluates the curve of a table, or its first or second derivative (order), at x.
 class Curves {

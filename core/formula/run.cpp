@@ -85,12 +85,56 @@ SPRINGNET_INLINE void with_product(const Argument& a, const Argument& b, const A
   }
 }
 
+// formula(a b, c d).
+template <class Formula>
+SPRINGNET_INLINE void with_products(const Argument& a, const Argument& b, const Argument& c, const Argument& d,
+                                    double* out, std::size_t count, const Formula& formula) {
+  const double* __restrict x = a.values;
+  const double* __restrict y = b.values;
+  const double* __restrict v = c.values;
+  const double* __restrict w = d.values;
+  double* __restrict z = out;
+  if (a.stride == 0 || c.stride == 0 || count == 1) {
+    const std::size_t dx = a.stride, dy = b.stride, dv = c.stride, dw = d.stride;
+    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i * dx] * y[i * dy], v[i * dv] * w[i * dw]);
+  } else if (b.stride == 0) {
+    const double factor = *y;
+    if (d.stride == 0) {
+      const double other = *w;
+      SPRINGNET_INDEPENDENT_ITERATIONS
+      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, v[i] * other);
+    } else {
+      SPRINGNET_INDEPENDENT_ITERATIONS
+      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, v[i] * w[i]);
+    }
+  } else if (d.stride == 0) {
+    const double other = *w;
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], v[i] * other);
+  } else {
+    SPRINGNET_INDEPENDENT_ITERATIONS
+    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], v[i] * w[i]);
+  }
+}
+
+SPRINGNET_INLINE void expm1_and_slope(const double* a, double* out, double* also, std::size_t count) {
+  const double* __restrict x = a;
+  double* __restrict y = out;
+  double* __restrict z = also;
+  SPRINGNET_INDEPENDENT_ITERATIONS
+  for (std::size_t i = 0; i < count; ++i) {
+    const sdk::detail::ExponentialPair both = sdk::detail::expm1_and_exp(x[i]);
+    y[i] = both.less_1;
+    z[i] = both.value;
+  }
+}
+
 class Machine {
  public:
   SPRINGNET_INLINE static void run(const Call& call) {
     const Program& program = call.program;
     const std::size_t first_slot = program.first_slot(), places = program.places();
-    constexpr std::size_t own_places = 192, own_slots = 48;
+    constexpr std::size_t own_places = 192, own_slots = 32;
     std::array<const double*, own_places> few_places;
     std::array<std::uint8_t, own_places> few_varies;
     alignas(64) double few_slots[own_slots * tile_size];
@@ -124,10 +168,12 @@ class Machine {
     std::size_t varying = 0;
     for (const ProgramStep& step : program.steps) {
       const unsigned count = arguments_of(step.code);
-      varies[step.to] = varies[step.a] != 0 || (count > 1 && varies[step.b] != 0) || (count > 2 && varies[step.c] != 0);
+      varies[step.also] = varies[step.to] = varies[step.a] != 0 || (count > 1 && varies[step.b] != 0) ||
+                                            (count > 2 && varies[step.c] != 0) || (count > 3 && varies[step.d] != 0);
+      const auto slot = [&](Place place) { return slots + (place - first_slot) * tile_size; };
       if (varies[step.to] == 0)
-        run_step(step, {at[step.a], 0}, {at[step.b], 0}, {at[step.c], 0}, slots + (step.to - first_slot) * tile_size, 1,
-                 call.batch.curves);
+        run_step(step, {{{at[step.a], 0}, {at[step.b], 0}, {at[step.c], 0}, {at[step.d], 0}}}, slot(step.to),
+                 slot(step.also), 1, call.batch.curves);
       else
         ++varying;
     }
@@ -151,8 +197,8 @@ class Machine {
       if (varying > 0) {
         for (const ProgramStep& step : program.steps) {
           if (varies[step.to] == 0) continue;
-          run_step(step, argument(step.a), argument(step.b), argument(step.c), const_cast<double*>(at[step.to]), count,
-                   call.batch.curves);
+          run_step(step, {{argument(step.a), argument(step.b), argument(step.c), argument(step.d)}},
+                   const_cast<double*>(at[step.to]), const_cast<double*>(at[step.also]), count, call.batch.curves);
         }
       }
       for (std::size_t k = 0; k < program.outputs.size(); ++k) {
@@ -171,10 +217,14 @@ class Machine {
  private:
   SPRINGNET_INLINE static unsigned arguments_of(Code code) {
     switch (code) {
+      case Code::sum_of_products:
+      case Code::products_difference:
+        return 4;
       case Code::choose:
       case Code::product_sum:
       case Code::product_difference:
       case Code::difference_product:
+      case Code::product_product:
         return 3;
       case Code::sum:
       case Code::difference:
@@ -194,8 +244,10 @@ class Machine {
     }
   }
 
-  SPRINGNET_INLINE static void run_step(const ProgramStep& step, const Argument& a, const Argument& b,
-                                        const Argument& c, double* out, std::size_t count, const Curves* curves) {
+  // also: where the second result goes, of a step that has two.
+  SPRINGNET_INLINE static void run_step(const ProgramStep& step, const std::array<Argument, 4>& arguments, double* out,
+                                        double* also, std::size_t count, const Curves* curves) {
+    const auto& [a, b, c, d] = arguments;
     const double* const x = a.values;
     const auto two = [&](const auto& formula) { binary(a, b, out, count, formula); };
     const auto one = [&](const auto& formula) { unary(x, out, count, formula); };
@@ -227,6 +279,12 @@ class Machine {
         return one([](double v) { return 1.0 - v; });
       case Code::choose:
         return choose(a, b, c, out, count);
+      case Code::product_product:
+        return with_product(a, b, c, out, count, [](double product, double w) { return product * w; });
+      case Code::sum_of_products:
+        return with_products(a, b, c, d, out, count, [](double v, double w) { return v + w; });
+      case Code::products_difference:
+        return with_products(a, b, c, d, out, count, [](double v, double w) { return v - w; });
       case Code::product_sum:
         return with_product(a, b, c, out, count, [](double product, double w) { return product + w; });
       case Code::product_difference:
@@ -247,6 +305,10 @@ class Machine {
         return one([](double v) { return sdk::exp(v); });
       case Code::expm1:
         return one([](double v) { return sdk::expm1(v); });
+      case Code::expm1_slope:
+        return one([](double v) { return sdk::detail::expm1_and_exp(v).value; });
+      case Code::expm1_and_slope:
+        return expm1_and_slope(x, out, also, count);
       case Code::log:
         return one([](double v) { return sdk::log(v); });
       case Code::log1p:

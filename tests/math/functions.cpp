@@ -56,6 +56,10 @@ std::vector<Function> make_functions() {
   SPRINGNET_FUNCTION(tanh, 2, {-2, 2}, {-25, 25}, {tiny, 30, true, true});
   SPRINGNET_FUNCTION(erf, 2, {-3, 3}, {-6.5, 6.5}, {tiny, 7, true, true});
 #undef SPRINGNET_FUNCTION
+  one(
+      "the slope beside expm1", 1, [](double x, double) { return sdk::detail::expm1_and_exp(x).value; },
+      [](MpfrNumbers& n) { return mpfr_exp(n.result, n.x, MPFR_RNDN); },
+      {{-746, 710}, {-1, 1}, {tiny, 700, true, true}});
   all.push_back({"pow",
                  2,
                  [](double x, double y) { return sdk::pow(x, y); },

@@ -10,6 +10,7 @@ namespace {
   X(exp)                   \
   X(expm1)                 \
   X(log) X(log1p) X(log10) X(sqrt) X(cbrt) X(sin) X(cos) X(tan) X(asin) X(acos) X(atan) X(sinh) X(cosh) X(tanh) X(erf)
+#define SPRINGNET_SLOPES(X) X(expm1_slope)
 #define SPRINGNET_BINARY(X) X(pow) X(quick_pow) X(atan2) X(hypot) X(plane_angle)
 
 #define SPRINGNET_TYPE_1(name)                                                   \
@@ -22,6 +23,9 @@ namespace {
   };
 SPRINGNET_UNARY(SPRINGNET_TYPE_1)
 SPRINGNET_BINARY(SPRINGNET_TYPE_2)
+struct Of_expm1_slope {
+  SPRINGNET_INLINE static double at(double x, double) { return sdk::detail::expm1_and_exp(x).value; }
+};
 
 template <class Of>
 SPRINGNET_INLINE void run(const double* __restrict x, const double* __restrict y, double* __restrict out,
@@ -34,7 +38,8 @@ void generic(const double* x, const double* y, double* out, std::size_t count) {
 }
 #define SPRINGNET_LOOP(name) {#name, &SPRINGNET_SET<Of_##name>},
 #define SPRINGNET_SET generic
-constexpr Loop all_generic[] = {SPRINGNET_UNARY(SPRINGNET_LOOP) SPRINGNET_BINARY(SPRINGNET_LOOP)};
+constexpr Loop all_generic[] = {SPRINGNET_UNARY(SPRINGNET_LOOP) SPRINGNET_BINARY(SPRINGNET_LOOP)
+                                    SPRINGNET_SLOPES(SPRINGNET_LOOP)};
 #undef SPRINGNET_SET
 
 #if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
@@ -47,10 +52,12 @@ template <class Of>
   run<Of>(x, y, out, count);
 }
 #define SPRINGNET_SET avx2
-constexpr Loop all_avx2[] = {SPRINGNET_UNARY(SPRINGNET_LOOP) SPRINGNET_BINARY(SPRINGNET_LOOP)};
+constexpr Loop all_avx2[] = {SPRINGNET_UNARY(SPRINGNET_LOOP) SPRINGNET_BINARY(SPRINGNET_LOOP)
+                                 SPRINGNET_SLOPES(SPRINGNET_LOOP)};
 #undef SPRINGNET_SET
 #define SPRINGNET_SET avx512
-constexpr Loop all_avx512[] = {SPRINGNET_UNARY(SPRINGNET_LOOP) SPRINGNET_BINARY(SPRINGNET_LOOP)};
+constexpr Loop all_avx512[] = {SPRINGNET_UNARY(SPRINGNET_LOOP) SPRINGNET_BINARY(SPRINGNET_LOOP)
+                                   SPRINGNET_SLOPES(SPRINGNET_LOOP)};
 #else
 constexpr std::span<const Loop> all_avx2, all_avx512;
 #endif

@@ -42,7 +42,17 @@ TEST_CASE("specials of functions of one argument") {
   SPRINGNET_CHECK(exp, {0.0, 1.0}, {-0.0, 1.0}, {infinity, infinity}, {-infinity, 0.0}, {largest, infinity},
                   {-largest, 0.0}, {least, 1.0}, {-745.2, 0.0}, {-745.1, least});
   SPRINGNET_CHECK(expm1, {0.0, 0.0}, {-0.0, -0.0}, {infinity, infinity}, {-infinity, -1.0}, {least, least},
-                  {-least, -least}, {710.0, infinity}, {-largest, -1.0});
+                  {-least, -least}, {710.0, infinity}, {-700.5, -1.0}, {-745.5, -1.0}, {-largest, -1.0});
+  check("the slope beside expm1", [](double x) { return sdk::detail::expm1_and_exp(x).value; },
+        {{0.0, 1.0},
+         {-0.0, 1.0},
+         {infinity, infinity},
+         {-infinity, 0.0},
+         {largest, infinity},
+         {-largest, 0.0},
+         {least, 1.0},
+         {-745.2, 0.0},
+         {-745.1, least}});
   SPRINGNET_CHECK(log, {0.0, -infinity}, {-0.0, -infinity}, {1.0, 0.0}, {infinity, infinity}, {-infinity, not_a_number},
                   {-least, not_a_number}, {least, -0x1.74385446d71c3p+9});
   SPRINGNET_CHECK(log1p, {0.0, 0.0}, {-0.0, -0.0}, {-1.0, -infinity}, {infinity, infinity}, {-infinity, not_a_number},

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <springnet/sdk/dual.hpp>
+#include <springnet/sdk/polynomial.hpp>
 
 #include "law_call.hpp"
 
@@ -67,6 +68,29 @@ TEST_CASE("arithmetic of dual numbers") {
         return -y + (+x);
       },
       {-1.5, 0.0, 2.0});
+}
+
+TEST_CASE("polynomials of dual numbers") {
+  using springnet::sdk::polynomial;
+  for (const double x : {-1.5, 0.0, 0.3, 2.0}) {
+    CAPTURE(x);
+    // All derivatives of a polynomial whose coefficients vary as well, against those of the steps of Horner's rule.
+    using D = Dual<4>;
+    const D at = D::variable(x, 0), a = D::variable(0.7, 1), b = D::variable(-1.3, 2), c = D::variable(0.2, 3);
+    const D ours = polynomial(at, a, b, 2.5, c), stepwise = a + at * (b + at * (2.5 + at * c));
+    CHECK(ours.value == stepwise.value);
+    for (std::size_t i = 0; i < 4; ++i)
+      CHECK(distance(ours.derivatives[i], stepwise.derivatives[i]) < 1e-15);  // the same sum in another order
+    // Second derivatives, of which this has 2 b + 6 c x.
+    using D2 = Dual<1, Dual<1>>;
+    const D2 twice = polynomial(D2::variable(Dual<1>::variable(x, 0), 0), 0.7, -1.3, 0.4, 0.9);
+    CHECK(distance(twice.value.derivatives[0], -1.3 + x * (0.8 + x * 2.7)) < 1e-15);
+    CHECK(distance(twice.derivatives[0].value, -1.3 + x * (0.8 + x * 2.7)) < 1e-15);
+    CHECK(distance(twice.derivatives[0].derivatives[0], 0.8 + 5.4 * x) < 1e-15);
+  }
+  CHECK(polynomial(2.0, 1.0, 3.0, 5.0) == 27.0);
+  CHECK(polynomial(variable(2.0), 3.0).value == 3.0);
+  CHECK(polynomial(variable(2.0), 3.0).derivatives[0] == 0.0);
 }
 
 TEST_CASE("functions of dual numbers that have a complex twin") {

@@ -21,14 +21,13 @@ struct Nonlinear : SpringFunction {
 
   static auto force(const auto& e, const auto& p) {
     const auto x = e.elongation();
-    const auto x2 = x * x;
-    return x * (p[stiffness] + x2 * (p[cubic] + x2 * p[quintic]));
+    return x * polynomial(x * x, p[stiffness], p[cubic], p[quintic]);
   }
 
   static auto energy(const auto& e, const auto& p) {
     const auto x = e.elongation();
     const auto x2 = x * x;
-    return x2 * (p[stiffness] / 2.0 + x2 * (p[cubic] / 4.0 + x2 * (p[quintic] / 6.0)));
+    return x2 * polynomial(x2, p[stiffness] / 2.0, p[cubic] / 4.0, p[quintic] / 6.0);
   }
 };
 

@@ -313,9 +313,20 @@ template <std::size_t N, class T>
   const T value = exp(x.value);
   return detail::chain(x, value, value);
 }
+namespace detail {
+template <class Real>
+struct ExponentialsOf {
+  Real less_1, value;  // e^x - 1 and e^x, its slope
+};
+template <std::size_t N, class T>
+[[nodiscard]] SPRINGNET_INLINE ExponentialsOf<Dual<N, T>> expm1_and_exp(const Dual<N, T>& x) {
+  const auto of_value = expm1_and_exp(x.value);
+  return {chain(x, of_value.less_1, of_value.value), chain(x, of_value.value, of_value.value)};
+}
+}  // namespace detail
 template <std::size_t N, class T>
 [[nodiscard]] SPRINGNET_INLINE Dual<N, T> expm1(const Dual<N, T>& x) {
-  return detail::chain(x, expm1(x.value), exp(x.value));
+  return detail::expm1_and_exp(x).less_1;
 }
 template <std::size_t N, class T>
 [[nodiscard]] SPRINGNET_INLINE Dual<N, T> log(const Dual<N, T>& x) {

@@ -49,6 +49,7 @@
 #include <springnet/sdk/law/kernel.hpp>
 #include <springnet/sdk/law/update.hpp>
 #include <springnet/sdk/math/members.hpp>
+#include <springnet/sdk/polynomial.hpp>
 
 namespace springnet::sdk {
 

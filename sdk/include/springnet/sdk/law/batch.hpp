@@ -147,9 +147,11 @@ SPRINGNET_INLINE std::array<double, LawChunk<Law>::N> constants_of(const LawChun
   return result;
 }
 
-// Calls what(chunk, std::integral_constant<Varying, …>) for all chunks of a batch. expanded: as if everything varied,
-// for code that need not be compiled for each kind.
-template <bool expanded = false, class Law, class What>
+// The kinds of chunks that a loop is compiled for; others are expanded to the next one.
+enum class Kinds { each, reference_and_all, all };
+
+// Calls what(chunk, std::integral_constant<Varying, …>) for all chunks of a batch.
+template <Kinds kinds = Kinds::each, class Law, class What>
 SPRINGNET_INLINE void for_each_chunk(const Law& law, const springnet_law_batch& b, const What& what) {
   using Chunk = LawChunk<Law>;
   using Table = typename LawTraits<Law>::Table;
@@ -169,7 +171,13 @@ SPRINGNET_INLINE void for_each_chunk(const Law& law, const springnet_law_batch& 
     arrays[1 + P + j] = b.inputs[j];
     strides[1 + P + j] = b.input_strides[j];
   }
-  const Streams<N, true> streams(arrays.data(), strides.data(), b.count, expanded);
+  constexpr bool expands_reference = kinds == Kinds::reference_and_all;
+  [[maybe_unused]] double references[expands_reference ? chunk_size : 1];
+  if (expands_reference && strides[0] == 0) {
+    std::fill_n(references, std::min(b.count, chunk_size), *arrays[0]);
+    arrays[0] = references;
+  }
+  const Streams<N, true> streams(arrays.data(), strides.data(), b.count, kinds == Kinds::all);
 
   for (std::uint32_t begin = 0; begin < b.count; begin += chunk_size) {
     Chunk chunk{};
@@ -195,16 +203,16 @@ SPRINGNET_INLINE void for_each_chunk(const Law& law, const springnet_law_batch& 
       chunk.table = static_cast<const Table*>(b.table);
     for (std::size_t j = 0; j < S; ++j) chunk.states[j] = b.states[j] + begin;
     for (std::size_t j = 0; j < N; ++j) chunk.streams[j] = streams.at(j, begin);
-    if constexpr (!expanded) {
+    if constexpr (kinds == Kinds::each) {
       if (streams.uniform()) {
         what(chunk, std::integral_constant<Varying, Varying::nothing>{});
         continue;
       }
-      if constexpr (!LawTraits<Law>::several) {
-        if (streams.rest_is_uniform()) {
-          what(chunk, std::integral_constant<Varying, Varying::reference>{});
-          continue;
-        }
+    }
+    if constexpr (kinds != Kinds::all && !LawTraits<Law>::several) {
+      if (streams.rest_is_uniform()) {
+        what(chunk, std::integral_constant<Varying, Varying::reference>{});
+        continue;
       }
     }
     what(chunk, std::integral_constant<Varying, Varying::all>{});

@@ -82,11 +82,13 @@ class LawKernel {
     const springnet_law_batch& b = *call.batch;
     const Wanted wanted(b);
     // Formulas over several invariants are long: compiled for one kind of chunks alone.
+    using detail::Kinds;
     if (wanted.plain)
-      detail::for_each_chunk<Traits::several>(*call.law, b,
-                                              [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
+      detail::for_each_chunk<Traits::several ? Kinds::all : Kinds::each>(
+          *call.law, b, [&](const Chunk& chunk, auto kind) { evaluate(b, wanted, chunk, kind); });
     if (wanted.rest)
-      detail::for_each_chunk<true>(*call.law, b, [&](const Chunk& chunk, auto kind) { rest(b, chunk, kind); });
+      detail::for_each_chunk<Traits::several ? Kinds::all : Kinds::reference_and_all>(
+          *call.law, b, [&](const Chunk& chunk, auto kind) { rest(b, chunk, kind); });
   }
 
  private:
@@ -292,7 +294,8 @@ class LawKernel {
     return column - first < count;
   }
   // All other derivatives, from the matrix of a batch and from the arrays that laws over one invariant have for some.
-  SPRINGNET_INLINE static void rest(const springnet_law_batch& b, const Chunk& c, Kind<Varying::all> kind) {
+  template <Varying varying>
+  SPRINGNET_INLINE static void rest(const springnet_law_batch& b, const Chunk& c, Kind<varying> kind) {
     const auto at = [&](std::size_t row, std::size_t column) {
       return detail::from(b.derivatives, row * columns + column, c.begin);
     };
@@ -331,8 +334,8 @@ class LawKernel {
   }
   // The rows of a quantity, which begin with row `row_0` of the matrix. Where `also` names an array of its own for a
   // derivative, that one gets it; if both do, the matrix's array gets a copy.
-  template <class Quantity, std::size_t rows, std::size_t row_0, class ToValue, class At, class Also>
-  SPRINGNET_INLINE static void quantity(const Chunk& c, Kind<Varying::all> kind, const ToValue& to_value, const At& at,
+  template <class Quantity, std::size_t rows, std::size_t row_0, Varying varying, class ToValue, class At, class Also>
+  SPRINGNET_INLINE static void quantity(const Chunk& c, Kind<varying> kind, const ToValue& to_value, const At& at,
                                         const Also& also) {
     constexpr bool is_several_forces = Traits::several && row_0 == 0;
     constexpr std::size_t first = is_several_forces ? tangent_columns : 0;  // the tangent's have been done

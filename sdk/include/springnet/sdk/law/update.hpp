@@ -67,8 +67,8 @@ class UpdateKernel {
   // its derivatives is long.
   static bool run_matrix(const Law& law, const springnet_law_update& u) {
     bool found = true;
-    detail::for_each_chunk<true>(law, *u.batch,
-                                 [&](const Chunk& chunk, auto kind) { found = update<true>(u, chunk, kind) && found; });
+    detail::for_each_chunk<detail::Kinds::all>(
+        law, *u.batch, [&](const Chunk& chunk, auto kind) { found = update<true>(u, chunk, kind) && found; });
     return found;
   }
 

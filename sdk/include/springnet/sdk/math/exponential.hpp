@@ -47,23 +47,31 @@ struct ReducedExponent {
   return detail::scaled_exp(bounded, 0);
 }
 
-// Within 0.95 ulp. Half of the result, so that 2^k stays finite, is (2^k - 1) / 2 + 2^k (e^r - 1) / 2; both sums keep
-// their rounding errors.
-[[nodiscard]] SPRINGNET_INLINE double expm1(double x) {
-  using namespace detail;
+namespace detail {
+struct ExponentialPair {
+  double less_1, value;  // e^x - 1 and e^x
+};
+// Half of e^x - 1, so that 2^k stays finite, is (2^k - 1) / 2 + 2^k (e^r - 1) / 2; both sums keep their rounding
+// errors.
+[[nodiscard]] SPRINGNET_INLINE ExponentialPair expm1_and_exp(double x) {
   constexpr double c[] = {0x1.5555555555556p-3,  0x1.5555555555555p-5,  0x1.11111111109b3p-7,  0x1.6c16c16c167e1p-10,
                           0x1.a01a01a7c41d5p-13, 0x1.a01a01a47b054p-16, 0x1.71de0dae63bb3p-19, 0x1.27e4e1f48534fp-22,
                           0x1.af38a9b0ec855p-26, 0x1.1f66df7fca49fp-29};
-  const double bounded = magnitude(x - 5.0) > 705.0 ? with_sign(705.0, x) + 5.0 : x;  // between -700 and 710
+  const double bounded = magnitude(x + 18.0) > 728.0 ? with_sign(728.0, x) - 18.0 : x;  // between -746 and 710
   const ReducedExponent e = reduced_exponent(bounded);
   const double square = e.r * e.r;
   const double curved = e.rest + (0.5 * square + e.r * square * polynomial(e.r, c));
-  const double scale = from_bits((e.k.bits + 1022) << 52);
+  // Below -700 the result is -1, and 2^k / 2 may not be a normal number.
+  const double scale = bounded < -700.0 ? 0.0 : from_bits((e.k.bits + 1022) << 52);
   const Sum power = ordered_sum(scale, -0.5);
   const Sum sum = ordered_sum(power.high, scale * e.r);
   const double result = 2.0 * (sum.high + ((sum.low + power.low) + scale * curved));
-  return magnitude(x) < 0x1p-54 ? x : result;
+  return {magnitude(x) < 0x1p-54 ? x : result, scaled(1.0 + (e.r + curved), e.k.bits)};
 }
+}  // namespace detail
+
+// Within 0.95 ulp.
+[[nodiscard]] SPRINGNET_INLINE double expm1(double x) { return detail::expm1_and_exp(x).less_1; }
 
 // Within 1.7 ulp. Below 1 an odd polynomial, which changes the result by at most 2^-56 of itself; above, e^-x is
 // computed as 1 / e^x.
