@@ -17,7 +17,7 @@ sdk::Dual<N> curve_at(const Curves& curves, std::uint32_t table, unsigned order,
 template <std::size_t N>
 sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curves& curves) {
   using Number = sdk::Dual<N>;
-  const Number &a = at[step.a], &b = at[step.b], &c = at[step.c], &d = at[step.d];
+  const Number &a = at[step.from[0]], &b = at[step.from[1]], &c = at[step.from[2]], &d = at[step.from[3]];
   const auto number = [](bool condition) { return Number(condition ? 1.0 : 0.0); };
   switch (step.code) {
     case Code::constant:
@@ -98,6 +98,10 @@ sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curv
       return c - a * b;
     case Code::product_product:
       return a * b * c;
+    case Code::product_product_sum:
+      return a * b * c + d;
+    case Code::product_sum_product:
+      return (a * b + c) * d;
     case Code::sum_of_products:
       return a * b + c * d;
     case Code::products_difference:
@@ -131,7 +135,7 @@ void evaluate_element(const Program& program, const Curves& curves, const sdk::D
     put(program.first_constant() + k, Number(program.constants[k]));
   for (const ProgramStep& step : program.steps) {
     if (step.code == Code::expm1_and_slope) {
-      const auto both = sdk::detail::expm1_and_exp(at[step.a]);
+      const auto both = sdk::detail::expm1_and_exp(at[step.from[0]]);
       put(step.to, both.less_1);
       put(step.also, both.value);
     } else {

@@ -41,6 +41,7 @@ Node Graph::sum(Node a, Node b) {
   if (is_zero(a)) return b;
   if (is_zero(b)) return a;
   if (is_constant(a) && is_constant(b)) return constant(steps_[a].number + steps_[b].number);
+  if (a == b) return product(a, constant(2.0));  // the same bits, and a product may be joined to another step
   return apply(Code::sum, a, b);
 }
 Node Graph::difference(Node a, Node b) {

@@ -59,6 +59,8 @@ enum class Code : std::uint8_t {
   product_difference,   // a b - c
   difference_product,   // c - a b
   product_product,      // (a b) c
+  product_product_sum,  // (a b) c + d
+  product_sum_product,  // (a b + c) d
   sum_of_products,      // a b + c d
   products_difference,  // a b - c d
   expm1_and_slope       // two results

@@ -17,7 +17,13 @@ struct Work {
 class Scheduler {
  public:
   Scheduler(const Graph& graph, std::span<const Node> outputs, const std::vector<bool>& often_same)
-      : graph_(graph), outputs_(outputs), same_(often_same), needed_(graph.size()), lasts_(graph.size()) {
+      : graph_(graph),
+        outputs_(outputs),
+        same_(often_same),
+        needed_(graph.size()),
+        lasts_(graph.size()),
+        is_joined_(graph.size()),
+        uses_(graph.size()) {
     find_needed();
     for (Node node = 0; node < graph.size(); ++node) {
       if (graph[node].code == Code::input) continue;
@@ -62,8 +68,9 @@ class Scheduler {
     for (std::size_t k = 0; k < work_.size(); ++k) {
       const Work& work = work_[k];
       const Place to = take(work.node), also = work.also == no_node ? to : take(work.also);
-      const auto of = [&](std::size_t i) { return work.arguments[i] == no_node ? Place{0} : place[work.arguments[i]]; };
-      program.steps.push_back({work.code, to, of(0), of(1), of(2), of(3), also, graph_[work.node].index});
+      ProgramStep& step = program.steps.emplace_back(ProgramStep{work.code, 0, {}, to, also, graph_[work.node].index});
+      for (const Node a : work.arguments)
+        if (a != no_node) step.from[step.arguments++] = place[a];
       // A step may not write where it reads, so its own arguments are free after it.
       for (const Node a : work.arguments) {
         if (a == no_node || last_use[a] != k || keeps(a) || place[a] < first) continue;
@@ -93,30 +100,27 @@ class Scheduler {
   // In the order of the graph. A product that one sum, difference or product alone reads is done with it, and so are
   // e^x - 1 and its slope.
   void list_work() {
-    std::vector<unsigned> uses(graph_.size(), 0);
     std::map<Node, Node> slopes;  // of e^x - 1, by x
     for (Node node = 0; node < graph_.size(); ++node) {
       if (!needed_[node]) continue;
       for (const Node a : arguments(node))
-        if (a != no_node) ++uses[a];
+        if (a != no_node) ++uses_[a];
       if (graph_[node].code == Code::expm1_slope) slopes.emplace(graph_[node].a, node);
     }
-    const auto can_join = [&](Node a) { return graph_[a].code == Code::product && uses[a] == 1 && !keeps(a); };
-    std::vector<Work> reversed;
-    std::vector<bool> is_joined(graph_.size(), false);
     std::map<Node, Node> pairs;  // the later one by the earlier one
     for (Node node = 0; node < graph_.size(); ++node) {
       if (!needed_[node] || graph_[node].code != Code::expm1) continue;
       if (const auto slope = slopes.find(graph_[node].a); slope != slopes.end()) {
         const auto [first, second] = std::minmax(node, slope->second);
         pairs.emplace(first, second);
-        is_joined[second] = true;
+        is_joined_[second] = true;
       }
     }
+    std::vector<Work> reversed;
     for (std::size_t i = graph_.size(); i-- > 0;) {
       const auto node = static_cast<Node>(i);
       const Step& step = graph_[node];
-      if (!needed_[node] || is_joined[node] || step.code == Code::constant || step.code == Code::input) continue;
+      if (!needed_[node] || is_joined_[node] || step.code == Code::constant || step.code == Code::input) continue;
       Work work{node, no_node, step.code, {step.a, step.b, step.c, no_node}};
       if (const auto pair = pairs.find(node); pair != pairs.end()) {
         const bool is_slope = step.code == Code::expm1_slope;
@@ -124,40 +128,68 @@ class Scheduler {
         work.also = is_slope ? node : pair->second;
         work.code = Code::expm1_and_slope;
       }
-      if (!same_[node]) join_products(step, can_join, work, is_joined);
+      if (!same_[node]) join_products(step, work);
       reversed.push_back(work);
     }
     work_.assign(reversed.rbegin(), reversed.rend());
   }
-  template <class CanJoin>
-  void join_products(const Step& step, const CanJoin& can_join, Work& work, std::vector<bool>& is_joined) const {
-    const bool is_sum = step.code == Code::sum, is_product = step.code == Code::product;
-    if (!is_sum && !is_product && step.code != Code::difference) return;
-    const Node joined = can_join(step.a) ? step.a : can_join(step.b) ? step.b : no_node;
-    if (joined == no_node) return;
-    const Node other = joined == step.a ? step.b : step.a;
-    const auto take = [&](Node product, std::size_t at) {
-      is_joined[product] = true;
-      work.arguments[at] = graph_[product].a;
-      work.arguments[at + 1] = graph_[product].b;
-      // The one that varies first, if only one does.
-      if (same_[work.arguments[at]]) std::swap(work.arguments[at], work.arguments[at + 1]);
+  [[nodiscard]] bool can_join(Node a, Code code) const {
+    return a != no_node && graph_[a].code == code && uses_[a] == 1 && !keeps(a);
+  }
+  // One of the arguments of a step, and the other one: that which can be joined, if one can.
+  struct Joined {
+    Node node = no_node, other = no_node;
+  };
+  [[nodiscard]] Joined joined(const Step& step, Code code) const {
+    if (can_join(step.a, code)) return {step.a, step.b};
+    if (can_join(step.b, code)) return {step.b, step.a};
+    return {};
+  }
+  void join_products(const Step& step, Work& work) {
+    const bool is_sum = step.code == Code::sum;
+    if (!is_sum && step.code != Code::product && step.code != Code::difference) return;
+    const auto take = [&](Node node, std::size_t at) {
+      is_joined_[node] = true;
+      work.arguments[at] = graph_[node].a;
+      work.arguments[at + 1] = graph_[node].b;
     };
-    take(joined, 0);
-    work.arguments[2] = other;
-    if (is_product) {
+    if (step.code == Code::product) {
+      if (const Joined sum = joined(step, Code::sum); sum.node != no_node) {
+        const Joined product = joined(graph_[sum.node], Code::product);
+        if (product.node == no_node || can_join(product.other, Code::product)) return;
+        is_joined_[sum.node] = true;
+        take(product.node, 0);
+        work.arguments[2] = product.other;
+        work.arguments[3] = sum.other;
+        work.code = Code::product_sum_product;
+        return;
+      }
+    }
+    const Joined product = joined(step, Code::product);
+    if (product.node == no_node) return;
+    take(product.node, 0);
+    work.arguments[2] = product.other;
+    if (step.code == Code::product) {
       work.code = Code::product_product;
-    } else if (other != joined && can_join(other)) {
+    } else if (can_join(product.other, Code::product)) {
       work.code = is_sum ? Code::sum_of_products : Code::products_difference;
-      take(other, 2);
+      take(product.other, 2);
+    } else if (!is_sum) {
+      work.code = product.node == step.a ? Code::product_difference : Code::difference_product;
+    } else if (const Joined inner = joined(graph_[product.node], Code::product); inner.node != no_node) {
+      work.code = Code::product_product_sum;
+      take(inner.node, 0);
+      work.arguments[2] = inner.other;
+      work.arguments[3] = product.other;
     } else {
-      work.code = is_sum ? Code::product_sum : joined == step.a ? Code::product_difference : Code::difference_product;
+      work.code = Code::product_sum;
     }
   }
 
   const Graph& graph_;
   std::span<const Node> outputs_;
-  std::vector<bool> same_, needed_, lasts_;
+  std::vector<bool> same_, needed_, lasts_, is_joined_;
+  std::vector<unsigned> uses_;
   std::vector<Work> work_;
 };
 

@@ -1,6 +1,7 @@
 // Some nodes of a graph as a list of steps on tiles of numbers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,8 +16,9 @@ using Place = std::uint32_t;
 
 struct ProgramStep {
   Code code;
-  Place to, a, b, c, d;
-  Place also;           // of a second result
+  std::uint8_t arguments;
+  std::array<Place, 4> from;
+  Place to, also;       // also: of a second result, or `to`
   std::uint32_t index;  // of a table
 };
 

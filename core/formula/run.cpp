@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include <springnet/sdk/kernel.hpp>
@@ -26,95 +27,31 @@ struct Argument {
   std::size_t stride;
 };
 
-template <class Formula>
-SPRINGNET_INLINE void unary(const double* a, double* out, std::size_t count, const Formula& formula) {
-  const double* __restrict x = a;
-  double* __restrict y = out;
+// One number for all, or one each: a loop for every combination, so that each has unit stride and vectorises.
+struct Same {
+  double value;
+  SPRINGNET_INLINE double operator()(std::size_t) const { return value; }
+};
+struct Each {
+  const double* values;
+  SPRINGNET_INLINE double operator()(std::size_t i) const { return values[i]; }
+};
+template <class Formula, class... Read>
+SPRINGNET_INLINE void loop(double* out, std::size_t count, const Formula& formula, const Read&... read) {
+  double* __restrict result = out;
   SPRINGNET_INDEPENDENT_ITERATIONS
-  for (std::size_t i = 0; i < count; ++i) y[i] = formula(x[i]);
+  for (std::size_t i = 0; i < count; ++i) result[i] = formula(read(i)...);
 }
-// One number for all, or one each: three loops, so that each has unit stride and vectorises.
-template <class Formula>
-SPRINGNET_INLINE void binary(const Argument& a, const Argument& b, double* out, std::size_t count,
-                             const Formula& formula) {
-  const double* __restrict x = a.values;
-  const double* __restrict y = b.values;
-  double* __restrict z = out;
-  if (a.stride == 0) {
-    const double own = *x;
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(own, y[i]);
-  } else if (b.stride == 0) {
-    const double own = *y;
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i], own);
-  } else {
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i], y[i]);
-  }
-}
-
-// formula(a b, c). Each operation is rounded: this is no fused multiplication.
-template <class Formula>
-SPRINGNET_INLINE void with_product(const Argument& a, const Argument& b, const Argument& c, double* out,
-                                   std::size_t count, const Formula& formula) {
-  const double* __restrict x = a.values;
-  const double* __restrict y = b.values;
-  const double* __restrict w = c.values;
-  double* __restrict z = out;
-  if (a.stride == 0 || count == 1) {  // what is the same for all, or comes in an unusual order
-    const std::size_t dx = a.stride, dy = b.stride, dw = c.stride;
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i * dx] * y[i * dy], w[i * dw]);
-  } else if (b.stride == 0) {
-    const double factor = *y;
-    if (c.stride == 0) {
-      const double term = *w;
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, term);
-    } else {
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, w[i]);
-    }
-  } else if (c.stride == 0) {
-    const double term = *w;
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], term);
-  } else {
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], w[i]);
-  }
-}
-
-// formula(a b, c d).
-template <class Formula>
-SPRINGNET_INLINE void with_products(const Argument& a, const Argument& b, const Argument& c, const Argument& d,
-                                    double* out, std::size_t count, const Formula& formula) {
-  const double* __restrict x = a.values;
-  const double* __restrict y = b.values;
-  const double* __restrict v = c.values;
-  const double* __restrict w = d.values;
-  double* __restrict z = out;
-  if (a.stride == 0 || c.stride == 0 || count == 1) {
-    const std::size_t dx = a.stride, dy = b.stride, dv = c.stride, dw = d.stride;
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i * dx] * y[i * dy], v[i * dv] * w[i * dw]);
-  } else if (b.stride == 0) {
-    const double factor = *y;
-    if (d.stride == 0) {
-      const double other = *w;
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, v[i] * other);
-    } else {
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * factor, v[i] * w[i]);
-    }
-  } else if (d.stride == 0) {
-    const double other = *w;
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], v[i] * other);
-  } else {
-    SPRINGNET_INDEPENDENT_ITERATIONS
-    for (std::size_t i = 0; i < count; ++i) z[i] = formula(x[i] * y[i], v[i] * w[i]);
-  }
+// out[i] = formula(arguments[i]…). Each operation of a formula is rounded: there is no fused multiplication.
+template <std::size_t arguments, class Formula, class... Read>
+SPRINGNET_INLINE void apply(const Argument* argument, double* out, std::size_t count, const Formula& formula,
+                            const Read&... read) {
+  if constexpr (sizeof...(read) == arguments)
+    loop(out, count, formula, read...);
+  else if (argument->stride == 0)
+    apply<arguments>(argument + 1, out, count, formula, read..., Same{*argument->values});
+  else
+    apply<arguments>(argument + 1, out, count, formula, read..., Each{argument->values});
 }
 
 SPRINGNET_INLINE void expm1_and_slope(const double* a, double* out, double* also, std::size_t count) {
@@ -167,217 +104,183 @@ class Machine {
     // What is one number for all is computed once: such steps keep their slots, see schedule().
     std::size_t varying = 0;
     for (const ProgramStep& step : program.steps) {
-      const unsigned count = arguments_of(step.code);
-      varies[step.also] = varies[step.to] = varies[step.a] != 0 || (count > 1 && varies[step.b] != 0) ||
-                                            (count > 2 && varies[step.c] != 0) || (count > 3 && varies[step.d] != 0);
-      const auto slot = [&](Place place) { return slots + (place - first_slot) * tile_size; };
-      if (varies[step.to] == 0)
-        run_step(step, {{{at[step.a], 0}, {at[step.b], 0}, {at[step.c], 0}, {at[step.d], 0}}}, slot(step.to),
-                 slot(step.also), 1, call.batch.curves);
-      else
+      bool varied = false;
+      for (unsigned i = 0; i < step.arguments; ++i) varied = varied || varies[step.from[i]] != 0;
+      varies[step.also] = varies[step.to] = varied ? 1 : 0;
+      if (varied)
         ++varying;
+      else
+        run_step(step, at, varies, 1, call.batch.curves);
     }
     // Where an output is computed tile by tile, it is written to its array at once.
+    const std::size_t output_count = program.outputs.size(), input_count = program.inputs.size();
+    const Place* const places_of_outputs = program.outputs.data();
     std::array<std::uint32_t, max_outputs> direct;
     std::size_t direct_count = 0;
-    for (std::uint32_t k = 0; k < program.outputs.size(); ++k) {
-      const Place place = program.outputs[k];
-      const auto has_place = [&](std::uint32_t other) { return program.outputs[other] == place; };
+    for (std::uint32_t k = 0; k < output_count; ++k) {
+      const Place place = places_of_outputs[k];
+      const auto has_place = [&](std::uint32_t other) { return places_of_outputs[other] == place; };
       if (call.outputs[k] != nullptr && place >= first_slot && varies[place] != 0 &&
           std::none_of(direct.data(), direct.data() + direct_count, has_place))
         direct[direct_count++] = k;
     }
     for (std::size_t begin = 0; begin < call.batch.count; begin += tile_size) {
-      for (std::size_t k = 0; k < direct_count; ++k) at[program.outputs[direct[k]]] = call.outputs[direct[k]] + begin;
+      for (std::size_t k = 0; k < direct_count; ++k) at[places_of_outputs[direct[k]]] = call.outputs[direct[k]] + begin;
       const std::size_t count = std::min(tile_size, call.batch.count - begin);
-      const auto argument = [&](Place place) -> Argument {
-        const std::size_t stride = varies[place] != 0 ? 1 : 0;
-        return {at[place] + (place < program.inputs.size() ? stride * begin : 0), stride};
-      };
-      if (varying > 0) {
-        for (const ProgramStep& step : program.steps) {
-          if (varies[step.to] == 0) continue;
-          run_step(step, {{argument(step.a), argument(step.b), argument(step.c), argument(step.d)}},
-                   const_cast<double*>(at[step.to]), const_cast<double*>(at[step.also]), count, call.batch.curves);
-        }
-      }
-      for (std::size_t k = 0; k < program.outputs.size(); ++k) {
+      if (varying > 0)
+        for (const ProgramStep& step : program.steps)
+          if (varies[step.to] != 0) run_step(step, at, varies, count, call.batch.curves);
+      for (std::size_t k = 0; k < output_count; ++k) {
         if (call.outputs[k] == nullptr) continue;
-        const Argument from = argument(program.outputs[k]);
+        const Place place = places_of_outputs[k];
         double* const out = call.outputs[k] + begin;
-        if (from.values == out) continue;
-        if (from.stride == 0)
-          std::fill_n(out, count, *from.values);
+        if (at[place] == out) continue;
+        if (varies[place] == 0)
+          std::fill_n(out, count, *at[place]);
         else
-          std::copy_n(from.values, count, out);
+          std::copy_n(at[place], count, out);
       }
+      for (std::size_t k = 0; k < input_count; ++k)
+        if (varies[k] != 0) at[k] += tile_size;
     }
   }
 
  private:
-  SPRINGNET_INLINE static unsigned arguments_of(Code code) {
-    switch (code) {
-      case Code::sum_of_products:
-      case Code::products_difference:
-        return 4;
-      case Code::choose:
-      case Code::product_sum:
-      case Code::product_difference:
-      case Code::difference_product:
-      case Code::product_product:
-        return 3;
-      case Code::sum:
-      case Code::difference:
-      case Code::product:
-      case Code::quotient:
-      case Code::less:
-      case Code::less_or_equal:
-      case Code::equal:
-      case Code::both:
-      case Code::either:
-      case Code::power:
-      case Code::hypot:
-      case Code::atan2:
-        return 2;
-      default:
-        return 1;
-    }
+  // out[i] = formula(…) of the step's arguments.
+  template <std::size_t arguments, class Formula>
+  SPRINGNET_INLINE static void with(const ProgramStep& step, const double* const* at, const std::uint8_t* varies,
+                                    std::size_t count, const Formula& formula) {
+    std::array<Argument, arguments> argument;
+    for (std::size_t i = 0; i < arguments; ++i) argument[i] = {at[step.from[i]], varies[step.from[i]]};
+    apply<arguments>(argument.data(), const_cast<double*>(at[step.to]), count, formula);
   }
-
-  // also: where the second result goes, of a step that has two.
-  SPRINGNET_INLINE static void run_step(const ProgramStep& step, const std::array<Argument, 4>& arguments, double* out,
-                                        double* also, std::size_t count, const Curves* curves) {
-    const auto& [a, b, c, d] = arguments;
-    const double* const x = a.values;
-    const auto two = [&](const auto& formula) { binary(a, b, out, count, formula); };
-    const auto one = [&](const auto& formula) { unary(x, out, count, formula); };
+  // at: where each place is; its results go where the step's places say.
+  SPRINGNET_INLINE static void run_step(const ProgramStep& step, const double* const* at, const std::uint8_t* varies,
+                                        std::size_t count, const Curves* curves) {
+    double* const out = const_cast<double*>(at[step.to]);
     switch (step.code) {
       case Code::constant:
       case Code::input:
         return;
       case Code::negative:
-        return one([](double v) { return -v; });
+        return loop(
+            out, count, [](double v) { return -v; }, Each{at[step.from[0]]});
       case Code::sum:
-        return two([](double v, double w) { return v + w; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v + w; });
       case Code::difference:
-        return two([](double v, double w) { return v - w; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v - w; });
       case Code::product:
-        return two([](double v, double w) { return v * w; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v * w; });
       case Code::quotient:
-        return two([](double v, double w) { return v / w; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v / w; });
       case Code::less:
-        return two([](double v, double w) { return v < w ? 1.0 : 0.0; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v < w ? 1.0 : 0.0; });
       case Code::less_or_equal:
-        return two([](double v, double w) { return v <= w ? 1.0 : 0.0; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v <= w ? 1.0 : 0.0; });
       case Code::equal:
-        return two([](double v, double w) { return v == w ? 1.0 : 0.0; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v == w ? 1.0 : 0.0; });
       case Code::both:
-        return two([](double v, double w) { return v * w; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v * w; });
       case Code::either:
-        return two([](double v, double w) { return v + w != 0.0 ? 1.0 : 0.0; });
+        return with<2>(step, at, varies, count, [](double v, double w) { return v + w != 0.0 ? 1.0 : 0.0; });
       case Code::negation:
-        return one([](double v) { return 1.0 - v; });
+        return loop(
+            out, count, [](double v) { return 1.0 - v; }, Each{at[step.from[0]]});
       case Code::choose:
-        return choose(a, b, c, out, count);
-      case Code::product_product:
-        return with_product(a, b, c, out, count, [](double product, double w) { return product * w; });
-      case Code::sum_of_products:
-        return with_products(a, b, c, d, out, count, [](double v, double w) { return v + w; });
-      case Code::products_difference:
-        return with_products(a, b, c, d, out, count, [](double v, double w) { return v - w; });
+        return with<3>(step, at, varies, count,
+                       [](double condition, double x, double y) { return condition != 0.0 ? x : y; });
       case Code::product_sum:
-        return with_product(a, b, c, out, count, [](double product, double w) { return product + w; });
+        return with<3>(step, at, varies, count, [](double x, double y, double z) { return x * y + z; });
       case Code::product_difference:
-        return with_product(a, b, c, out, count, [](double product, double w) { return product - w; });
+        return with<3>(step, at, varies, count, [](double x, double y, double z) { return x * y - z; });
       case Code::difference_product:
-        return with_product(a, b, c, out, count, [](double product, double w) { return w - product; });
+        return with<3>(step, at, varies, count, [](double x, double y, double z) { return z - x * y; });
+      case Code::product_product:
+        return with<3>(step, at, varies, count, [](double x, double y, double z) { return x * y * z; });
+      case Code::product_product_sum:
+        return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return x * y * z + w; });
+      case Code::product_sum_product:
+        return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return (x * y + z) * w; });
+      case Code::sum_of_products:
+        return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return x * y + z * w; });
+      case Code::products_difference:
+        return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return x * y - z * w; });
       case Code::absolute:
-        return one([](double v) { return std::abs(v); });
+        return loop(
+            out, count, [](double v) { return std::abs(v); }, Each{at[step.from[0]]});
       case Code::floor:
-        return one([](double v) { return std::floor(v); });
+        return loop(
+            out, count, [](double v) { return std::floor(v); }, Each{at[step.from[0]]});
       case Code::ceil:
-        return one([](double v) { return std::ceil(v); });
+        return loop(
+            out, count, [](double v) { return std::ceil(v); }, Each{at[step.from[0]]});
       case Code::sqrt:
-        return one([](double v) { return sdk::sqrt(v); });
+        return loop(
+            out, count, [](double v) { return sdk::sqrt(v); }, Each{at[step.from[0]]});
       case Code::cbrt:
-        return one([](double v) { return sdk::cbrt(v); });
+        return loop(
+            out, count, [](double v) { return sdk::cbrt(v); }, Each{at[step.from[0]]});
       case Code::exp:
-        return one([](double v) { return sdk::exp(v); });
+        return loop(
+            out, count, [](double v) { return sdk::exp(v); }, Each{at[step.from[0]]});
       case Code::expm1:
-        return one([](double v) { return sdk::expm1(v); });
+        return loop(
+            out, count, [](double v) { return sdk::expm1(v); }, Each{at[step.from[0]]});
       case Code::expm1_slope:
-        return one([](double v) { return sdk::detail::expm1_and_exp(v).value; });
+        return loop(
+            out, count, [](double v) { return sdk::detail::expm1_and_exp(v).value; }, Each{at[step.from[0]]});
       case Code::expm1_and_slope:
-        return expm1_and_slope(x, out, also, count);
+        return expm1_and_slope(at[step.from[0]], out, const_cast<double*>(at[step.also]), count);
       case Code::log:
-        return one([](double v) { return sdk::log(v); });
+        return loop(
+            out, count, [](double v) { return sdk::log(v); }, Each{at[step.from[0]]});
       case Code::log1p:
-        return one([](double v) { return sdk::log1p(v); });
+        return loop(
+            out, count, [](double v) { return sdk::log1p(v); }, Each{at[step.from[0]]});
       case Code::log10:
-        return one([](double v) { return sdk::log10(v); });
+        return loop(
+            out, count, [](double v) { return sdk::log10(v); }, Each{at[step.from[0]]});
       case Code::sin:
-        return one([](double v) { return sdk::sin(v); });
+        return loop(
+            out, count, [](double v) { return sdk::sin(v); }, Each{at[step.from[0]]});
       case Code::cos:
-        return one([](double v) { return sdk::cos(v); });
+        return loop(
+            out, count, [](double v) { return sdk::cos(v); }, Each{at[step.from[0]]});
       case Code::tan:
-        return one([](double v) { return sdk::tan(v); });
+        return loop(
+            out, count, [](double v) { return sdk::tan(v); }, Each{at[step.from[0]]});
       case Code::asin:
-        return one([](double v) { return sdk::asin(v); });
+        return loop(
+            out, count, [](double v) { return sdk::asin(v); }, Each{at[step.from[0]]});
       case Code::acos:
-        return one([](double v) { return sdk::acos(v); });
+        return loop(
+            out, count, [](double v) { return sdk::acos(v); }, Each{at[step.from[0]]});
       case Code::atan:
-        return one([](double v) { return sdk::atan(v); });
+        return loop(
+            out, count, [](double v) { return sdk::atan(v); }, Each{at[step.from[0]]});
       case Code::sinh:
-        return one([](double v) { return sdk::sinh(v); });
+        return loop(
+            out, count, [](double v) { return sdk::sinh(v); }, Each{at[step.from[0]]});
       case Code::cosh:
-        return one([](double v) { return sdk::cosh(v); });
+        return loop(
+            out, count, [](double v) { return sdk::cosh(v); }, Each{at[step.from[0]]});
       case Code::tanh:
-        return one([](double v) { return sdk::tanh(v); });
+        return loop(
+            out, count, [](double v) { return sdk::tanh(v); }, Each{at[step.from[0]]});
       case Code::erf:
-        return one([](double v) { return sdk::erf(v); });
+        return loop(
+            out, count, [](double v) { return sdk::erf(v); }, Each{at[step.from[0]]});
       case Code::power:
-        return two([](double v, double w) { return sdk::pow(v, w); });
+        return with<2>(step, at, varies, count, [](double v, double w) { return sdk::pow(v, w); });
       case Code::hypot:
-        return two([](double v, double w) { return sdk::hypot(v, w); });
+        return with<2>(step, at, varies, count, [](double v, double w) { return sdk::hypot(v, w); });
       case Code::atan2:
-        return two([](double v, double w) { return sdk::atan2(v, w); });
+        return with<2>(step, at, varies, count, [](double v, double w) { return sdk::atan2(v, w); });
       case Code::curve:
       case Code::curve_slope:
       case Code::curve_bend:
-        return curves->evaluate(step.index, static_cast<unsigned>(step.code) - static_cast<unsigned>(Code::curve), x,
-                                out, count);
-    }
-  }
-
-  SPRINGNET_INLINE static void choose(const Argument& condition, const Argument& b, const Argument& c, double* out,
-                                      std::size_t count) {
-    const auto pick = [&](const Argument& from) {
-      if (from.stride == 0)
-        std::fill_n(out, count, *from.values);
-      else
-        std::copy_n(from.values, count, out);
-    };
-    if (condition.stride == 0) return pick(*condition.values != 0.0 ? b : c);
-    const double* __restrict is = condition.values;
-    const double* __restrict x = b.values;
-    const double* __restrict y = c.values;
-    double* __restrict z = out;
-    const std::size_t dx = b.stride, dy = c.stride;
-    if (dx == 1 && dy == 1) {
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = is[i] != 0.0 ? x[i] : y[i];
-    } else if (dx == 1) {
-      const double other = *y;
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = is[i] != 0.0 ? x[i] : other;
-    } else if (dy == 1) {
-      const double own = *x;
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = is[i] != 0.0 ? own : y[i];
-    } else {
-      const double own = *x, other = *y;
-      SPRINGNET_INDEPENDENT_ITERATIONS
-      for (std::size_t i = 0; i < count; ++i) z[i] = is[i] != 0.0 ? own : other;
+        return curves->evaluate(step.index, static_cast<unsigned>(step.code) - static_cast<unsigned>(Code::curve),
+                                at[step.from[0]], out, count);
     }
   }
 };

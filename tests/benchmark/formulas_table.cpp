@@ -18,7 +18,7 @@
 
 namespace {
 
-constexpr std::uint32_t springs = springnet::layers::max_segment;
+constexpr std::uint32_t springs = springnet::layers::max_segment;  // arrays are aligned like the engine's
 
 struct Cubic : springnet::sdk::SpringFunction {
   static constexpr const char *id = "cubic", *summary = "stiffness x + cubic x^3";
@@ -59,13 +59,13 @@ struct Rival {
 
 // Best of many batches, ns a spring.
 double nanoseconds(const springnet_law& law, const std::vector<double>& values, std::uint32_t set, bool tangent,
-                   std::vector<double>& force, std::vector<double>& by_length) {
+                   double* force, double* by_length) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> rests(0.5, 1.5), stretches(0.8, 1.2);
-  std::vector<double> length, rest;
+  alignas(64) static double length[springs], rest[springs];
   for (std::uint32_t i = 0; i < springs; ++i) {
-    rest.push_back(rests(random));
-    length.push_back(rest.back() * stretches(random));
+    rest[i] = rests(random);
+    length[i] = rest[i] * stretches(random);
   }
   std::vector<const double*> parameters;
   for (const double& value : values) parameters.push_back(&value);
@@ -76,12 +76,12 @@ double nanoseconds(const springnet_law& law, const std::vector<double>& values, 
   batch.count = springs;
   batch.instruction_set = set;
   batch.reference_stride = 1;
-  batch.q = length.data();
-  batch.reference = rest.data();
+  batch.q = length;
+  batch.reference = rest;
   batch.parameters = parameters.data();
   batch.parameter_strides = strides.data();
-  batch.force = force.data();
-  batch.force_by_q = tangent ? by_length.data() : nullptr;
+  batch.force = force;
+  batch.force_by_q = tangent ? by_length : nullptr;
   batch.message = &message;
   constexpr int calls = 16;  // that one look at the clock covers
   double best = 1e9;
@@ -123,12 +123,11 @@ int main() {
     const auto& compiled = *static_cast<const springnet_law*>(rival.compiled.description().implementation);
     for (const std::uint32_t set : springnet::test::instruction_sets()) {
       for (const bool tangent : {false, true}) {
-        std::vector<double> force[2], by_length[2];
-        for (auto& each : force) each.resize(springs);
-        for (auto& each : by_length) each.resize(springs);
+        alignas(64) static double force[2][springs], by_length[2][springs];
         const double of_plugin = nanoseconds(compiled, rival.values, set, tangent, force[0], by_length[0]);
         const double of_formula = nanoseconds(as_formula->law(), rival.values, set, tangent, force[1], by_length[1]);
-        same = same && force[0] == force[1] && by_length[0] == by_length[1];
+        for (std::uint32_t i = 0; i < springs; ++i)
+          same = same && force[0][i] == force[1][i] && by_length[0][i] == by_length[1][i];
         const double ratio = of_formula / of_plugin;
         std::printf("| %s | %s | %s | %.3f | %.3f | %.2f%s | %g |\n", rival.name,
                     set == SPRINGNET_AVX512 ? "AVX-512" : (set == SPRINGNET_AVX2 ? "AVX2" : "SSE2"),

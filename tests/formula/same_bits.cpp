@@ -127,10 +127,37 @@ LawFormula relaxing() {
   return law;
 }
 
+// Products that only a sum, a difference or a product reads, which programs do in one loop with it; e^x - 1 with its
+// slope. abs keeps the parts apart.
+struct Joined : sdk::SpringFunction {
+  static constexpr const char *id = "joined", *summary = "products, sums and differences";
+  static constexpr sdk::Parameter parameters[] = {sdk::number("a", "1", ""), sdk::number("b", "1", ""),
+                                                  sdk::number("c", "1", ""), sdk::number("d", "1", "")};
+  static auto force(const auto& e, const auto& p) {
+    const auto x = e.elongation(), y = e.q;
+    return abs(x * p[0] * y + p[1]) + abs((p[0] * x + p[1]) * y) + abs((x * y + p[2]) * p[3]) +
+           abs(x * p[0] + y * p[1]) + abs(p[2] * p[3] * x - y * p[0]) + abs(x * x - y * y) + abs(p[1] - x * y) +
+           abs(x * y - p[2]) + abs(x * p[2] * y) + abs(p[0] * p[1] * p[2]) + abs(p[0] * p[1] + p[2] * p[3]) +
+           abs((x + x) * y + p[3]) + abs(expm1(p[0] * x)) + expm1(p[3]);
+  }
+};
+LawFormula joined() {
+  LawFormula law;
+  law.force =
+      "x = e; y = length; abs(x*a*y + b) + abs((a*x + b)*y) + abs((x*y + c)*d) + abs(x*a + y*b) + abs(c*d*x - y*a)"
+      " + abs(x*x - y*y) + abs(b - x*y) + abs(x*y - c) + abs(x*c*y) + abs(a*b*c) + abs(a*b + c*d) + abs((x + x)*y + d)"
+      " + abs(expm1(a*x)) + expm1(d)";
+  law.parameters = {{"a"}, {"b"}, {"c"}, {"d"}};
+  return law;
+}
+
+// Which arguments are the same for all: no one, the reference and all parameters and inputs, or every second of them.
+enum class Uniform { nothing, all, some };
+
 // What a law answers to a batch of random arguments, all arrays of all outputs.
 class Answers {
  public:
-  Answers(const springnet_component& component, std::uint32_t instruction_set, std::size_t count, bool uniform,
+  Answers(const springnet_component& component, std::uint32_t instruction_set, std::size_t count, Uniform uniform,
           unsigned seed) {
     const auto& law = *static_cast<const springnet_law*>(component.implementation);
     const bool several = law.invariant == SPRINGNET_SEVERAL;
@@ -157,9 +184,10 @@ class Answers {
     b.instruction_set = instruction_set;
     b.time = 0.37;
     b.message = &message;
-    const std::uint32_t stride = uniform ? 0 : 1;
+    const std::uint32_t stride = uniform == Uniform::all ? 0 : 1;
     std::vector<const double*> parameters, inputs, states, values, rates, references;
-    const std::vector<std::uint32_t> strides(P + I + 1, stride);
+    std::vector<std::uint32_t> strides(P + I + 1, stride);
+    for (std::size_t k = 0; uniform == Uniform::some && k < strides.size(); k += 2) strides[k] = 0;
     for (std::size_t k = 0; k < P; ++k) parameters.push_back(numbers(0.6 + static_cast<double>(k), 2.6));
     for (std::size_t k = 0; k < I; ++k) inputs.push_back(numbers(-1.0, 1.0));
     for (std::size_t i = 0; i < V; ++i) {
@@ -308,10 +336,10 @@ void compare(const LawFormula& formula) {
         (compiled.description().capabilities & ~SPRINGNET_FITS_ELEMENTS));
   for (const InstructionSet set : {InstructionSet::generic, InstructionSet::avx2, InstructionSet::avx512}) {
     if (!is_available(set)) continue;
-    for (const std::size_t count : {std::size_t{1}, std::size_t{127}, std::size_t{300}}) {
-      for (const bool uniform : {false, true}) {
+    for (const std::size_t count : {std::size_t{1}, std::size_t{127}, std::size_t{1000}}) {
+      for (const Uniform uniform : {Uniform::nothing, Uniform::all, Uniform::some}) {
         CAPTURE(count);
-        CAPTURE(uniform);
+        CAPTURE(static_cast<int>(uniform));
         const Answers own(*made->description, layers::abi_number(set), count, uniform, 5);
         const Answers theirs(compiled.description(), layers::abi_number(set), count, uniform, 5);
         CHECK(own.difference_from(theirs) == "");
@@ -325,6 +353,7 @@ void compare(const LawFormula& formula) {
 TEST_CASE("a formula has the bits of the compiled law: force, energy, margin and all derivatives") {
   compare<Worm>(worm());
 }
+TEST_CASE("steps that are done in one loop have the bits of each by itself") { compare<Joined>(joined()); }
 TEST_CASE("an energy alone has the bits of the compiled law") { compare<EnergyAlone>(energy_alone()); }
 TEST_CASE("a formula with states has the bits of the compiled law, in steps of both orders too") {
   compare<Relaxing>(relaxing());
