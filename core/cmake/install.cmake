@@ -22,6 +22,7 @@ set(documentation_folder ${CMAKE_INSTALL_DATAROOTDIR}/doc/springnet)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${documentation_folder})
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/docs/ DESTINATION ${documentation_folder})
 install(FILES ${PROJECT_SOURCE_DIR}/sdk/README.md DESTINATION ${documentation_folder} RENAME sdk.md)
+install(FILES ${PROJECT_SOURCE_DIR}/sdk/integrators.md DESTINATION ${documentation_folder})
 # `springnet new --example` copies from here. What sets up the sources' tree stays there.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/springnet/examples
   USE_SOURCE_PERMISSIONS

@@ -1,6 +1,7 @@
 #include "crash.hpp"
 
 #include <pthread.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include <springnet/calling_threads.hpp>
 #include <springnet/current_call.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/printable.hpp>
@@ -33,8 +35,7 @@ constexpr CrashSignal crash_signals[] = {{SIGSEGV, "SIGSEGV, access to memory th
 // Fixed memory: a handler must not allocate.
 constexpr std::size_t longest_folder = 1024;
 char crash_folder[longest_folder];
-alignas(16) char crash_stack[std::size_t{1} << 16];  // the thread's own may be what ran out
-bool on_terminal = false;                            // then the line of progress is not ended
+bool on_terminal = false;  // then the line of progress is not ended
 std::atomic<bool> crashing{false};
 
 // One line, cut off where it is too long.
@@ -167,17 +168,45 @@ void report_crash(int signal) {
   end_by(signal);
 }
 
+// Where the handler runs: the thread's own stack may be what ran out. Of this thread until it ends, unless it has one
+// already, as with sanitizers. Without memory for it the handler runs on the thread's own.
+class CrashStack {
+ public:
+  CrashStack() noexcept {
+    stack_t now{};
+    if (sigaltstack(nullptr, &now) != 0 || (now.ss_flags & SS_DISABLE) == 0) return;
+    void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) return;
+    stack_t stack{};
+    stack.ss_sp = memory;
+    stack.ss_size = size;
+    if (sigaltstack(&stack, nullptr) == 0)
+      memory_ = memory;
+    else
+      munmap(memory, size);
+  }
+  ~CrashStack() {
+    if (memory_ == nullptr) return;
+    stack_t none{};
+    none.ss_flags = SS_DISABLE;
+    if (sigaltstack(&none, nullptr) == 0) munmap(memory_, size);
+  }
+  CrashStack(const CrashStack&) = delete;
+  CrashStack& operator=(const CrashStack&) = delete;
+
+ private:
+  static constexpr std::size_t size = std::size_t{1} << 16;
+  void* memory_ = nullptr;
+};
+
+void have_crash_stack() noexcept { static thread_local const CrashStack stack; }
+
 }  // namespace
 
 void report_crashes() noexcept {
   on_terminal = isatty(STDERR_FILENO) == 1;
-  stack_t stack{};
-  if (sigaltstack(nullptr, &stack) == 0 && (stack.ss_flags & SS_DISABLE) != 0) {
-    stack = {};
-    stack.ss_sp = crash_stack;
-    stack.ss_size = sizeof crash_stack;
-    sigaltstack(&stack, nullptr);
-  }
+  have_crash_stack();
+  prepare_calling_threads(have_crash_stack);
   for (const CrashSignal& each : crash_signals) {
     struct sigaction action {};
     if (sigaction(each.number, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) != 0 ||

@@ -6,10 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "figure.hpp"
+#include "figure/figure.hpp"
 #include "law_caller.hpp"
 
 namespace springnet::tool {
+
+using figure::Figure, figure::FigureCurve, figure::FigureMark, figure::FigurePanel;
 
 struct LawFigureOptions {
   std::optional<std::pair<double, double>> range;  // as stretches; of speeds m/s, of bent angles rad

@@ -14,7 +14,7 @@
 #include <springnet/scene.hpp>
 
 #include "component_text.hpp"
-#include "figure.hpp"
+#include "figure_page.hpp"
 #include "law_figure.hpp"
 
 namespace springnet::tool {
@@ -169,7 +169,7 @@ std::string text_of_users(const Users& users, const Component& component) {
 }
 
 void write_plot(const std::string& title, const std::vector<Figure>& figures, const std::filesystem::path& file) {
-  const std::string text = file.extension() == ".svg" ? svg_of(figures) : page_of(title, figures);
+  const std::string text = file.extension() == ".svg" ? figure::draw(figures).svg : page_of(title, figures);
   write_whole(OutputFile(OutputFolder::containing(file), file.filename().string()), text);
 }
 

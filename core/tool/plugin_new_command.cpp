@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <memory>
 #include <system_error>
 
@@ -23,11 +25,12 @@ scene that uses it, a test and a README.md. It builds and passes its test as it 
 
 The formula is one as in scenes (formulas.md of the documentation). Its names that are none of the language's become
 parameters; comments in the source say what to add: their units, meanings and bounds. The compiled law has the bits of the
-formula, and the test compares both.
+formula, and the test compares both. --set gives the value of a parameter in the scene, and its unit: with units those of
+the formula are checked. Without it a value is looked for with which the scene runs.
 
 Examples:
   springnet plugin new tendon --kind spring
-  springnet plugin new fene --kind spring --formula "stiffness*e/(1 - (e/limit)^2)"
+  springnet plugin new fene --kind spring --formula "stiffness*e/(1 - (e/limit)^2)" --set stiffness="3 N/m" --set limit="0.5 m"
   springnet plugin new honey --kind viscosity --formula "drag*rate*(1 + rate^2)" -o plugins/honey
   springnet plugin new swimmer --kind neuron
 
@@ -37,8 +40,29 @@ Exit status:
 struct PluginNewArguments {
   PluginProject project;
   std::string kind;
+  std::vector<std::string> sets;
   std::filesystem::path folder;
 };
+
+// "limit=0.5 m"
+void read_set(const std::string& text, PluginProject& project) {
+  const auto refuse = [&text] {
+    throw Error(
+        ErrorKind::input,
+        fmt::format("--set '{}': write NAME=NUMBER or NAME=\"NUMBER UNIT\", as limit=\"0.5 m\"", printable(text)));
+  };
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) refuse();
+  GivenValue value;
+  const char* const begin = text.data() + equals + 1;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(begin, end, value.number);
+  if (error != std::errc{} || !std::isfinite(value.number)) refuse();
+  if (rest != end && *rest != ' ') refuse();
+  value.unit = std::string(std::find_if(rest, end, [](char c) { return c != ' '; }), end);
+  if (!project.given.emplace(text.substr(0, equals), value).second)
+    throw Error(ErrorKind::input, fmt::format("--set '{}': given twice", printable(text)));
+}
 
 ComponentKind project_kind(const std::string& word) {
   if (word == "viscosity") return ComponentKind::viscosity_function;
@@ -104,6 +128,9 @@ int write_project(const PluginNewArguments& arguments) {
     throw Error(ErrorKind::input,
                 fmt::format("--formula is for springs and viscosities; leave it out, and write the {} in C++",
                             name_of(project.kind)));
+  if (project.formula.empty() && !arguments.sets.empty())
+    throw Error(ErrorKind::input, "--set gives values of a formula's parameters: give the formula with --formula");
+  for (const std::string& set : arguments.sets) read_set(set, project);
   check_name(project);
   static_cast<void>(files_of(project));  // what is wrong with the formula comes first
 
@@ -126,13 +153,17 @@ int write_project(const PluginNewArguments& arguments) {
   for (ProjectFile& file : files_of(project)) files.push_back({folder / file.name, {}, std::move(file.text)});
   write_all(folder, files);
   if (!trouble.empty())
-    fmt::print("The test will fail until {}.toml has values that suit the law. With all parameters 1: {}\n",
-               project.name, printable_message(trouble));
+    fmt::print("The test will fail until {}.toml has values that suit the law (--set gives them). With {}: {}\n",
+               project.name, project.given.empty() ? "all parameters 1" : "these", printable_message(trouble));
   const std::string where = printable_message(folder.string());
   fmt::print(
-      "Next: cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1} && cmake --build {0}/build && ctest --test-dir "
-      "{0}/build\n",
-      where, printable_message(prefix()));
+      "Next:\n"
+      "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n"
+      "  cmake --build {0}/build\n"
+      "  ctest --test-dir {0}/build --output-on-failure\n"
+      "  springnet plugin check {0}/build/{2}.springnet.so\n"
+      "  springnet run {0}/{2}.toml --plugins {0}/build\n",
+      where, printable_message(prefix()), project.name);
   return done;
 }
 
@@ -150,6 +181,13 @@ void add_plugin_new(CLI::App& parent, Action& action) {
       ->check(CLI::IsMember({"spring", "viscosity", "neuron", "integrator"}));
   command->add_option("--formula", arguments->project.formula, "Formula of a spring or viscosity, as in scenes")
       ->type_name("TEXT");
+  command
+      ->add_option("--set", arguments->sets,
+                   "Value of a parameter of the formula in the scene, and its unit. May be repeated")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("-o,--output", arguments->folder, "Folder for the files [NAME]")->type_name("DIR");
   command->footer(plugin_new_examples);
   command->callback([arguments, &action] { action = [arguments] { return write_project(*arguments); }; });

@@ -1,10 +1,14 @@
 #include "plugin_project.hpp"
 
 #include <cctype>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
+#include <springnet/formula.hpp>
 #include <springnet/formula_source.hpp>
+#include <springnet/printable.hpp>
+#include <springnet/suggestion.hpp>
 
 namespace springnet::tool {
 
@@ -178,8 +182,10 @@ A {kind} for springnet, `{name}.cpp`, built outside of springnet's sources.
 cmake -S . -B build -DCMAKE_PREFIX_PATH=<where springnet is installed>
 cmake --build build
 ctest --test-dir build --output-on-failure
-springnet plugin show {name} --plugins build
-springnet run {name}.toml --plugins build
+springnet plugin check build/{name}.springnet.so
+springnet run {name}.toml --plugins build        # results/{name}/view.html plays the motion
+springnet validate {name}.toml --plugins build   # how far it is from the reference, CVODE
+springnet plugin show {name} --plugins build{plot}
 ```
 
 `cmake --install build --prefix <where springnet is installed>` puts the plugin where springnet finds it without `--plugins`.
@@ -266,23 +272,40 @@ std::string type_of(const PluginProject& project) {
 
 constexpr std::size_t line_length = 120;
 
+// number("stiffness", "N/m", "").learnable(3)
+std::string described(const PluginProject& project, const std::string& name) {
+  const FirstLaw first = first_law(project);
+  if (project.formula.empty())
+    return fmt::format("number(\"{}\", \"{}\", \"{}\").at_least(0)", name, first.unit, first.summary);
+  const auto given = project.given.find(name);
+  if (given == project.given.end()) return fmt::format("number(\"{}\", \"1\", \"\")", name);
+  const auto& [number, unit] = given->second;
+  const std::string typical = number == 0.0 ? "" : fmt::format(".learnable({})", std::abs(number));
+  return fmt::format("number(\"{}\", \"{}\", \"\"){}", name, unit.empty() ? "1" : unit, typical);
+}
+
+// "units, meanings and bounds": what is left to be written.
+std::string left_to_say(const PluginProject& project, const FormulaSource& source) {
+  for (const std::string& name : source.parameters)
+    if (!project.given.contains(name) || project.given.at(name).unit.empty()) return "units, meanings and bounds";
+  return "meanings and bounds";
+}
+
 std::string parameters_text(const PluginProject& project, const FormulaSource& source) {
   if (source.parameters.empty()) return "";
-  const bool own = !project.formula.empty();
-  const FirstLaw first = first_law(project);
   const std::string start = "  static constexpr Parameter parameters[] = {";
   std::vector<std::string> entries;
   std::size_t length = start.size() + 2;
   for (const std::string& name : source.parameters) {
-    entries.push_back(fmt::format("number(\"{}\", \"{}\", \"{}\"){}", name, own ? "1" : first.unit,
-                                  own ? "" : first.summary, own ? "" : ".at_least(0)"));
+    entries.push_back(described(project, name));
     length += entries.back().size() + 2;
   }
   const std::string next = length <= line_length ? ", " : ",\n" + std::string(start.size(), ' ');
-  return fmt::format(
-      "{}{}{}}};\n",
-      own ? "  // TODO: units, meanings and bounds, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n" : "",
-      start, fmt::join(entries, next));
+  const std::string to_do = project.formula.empty()
+                                ? ""
+                                : fmt::format("  // TODO: {}, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n",
+                                              left_to_say(project, source));
+  return fmt::format("{}{}{}}};\n", to_do, start, fmt::join(entries, next));
 }
 
 std::string force_text(const FormulaSource& source) {
@@ -311,13 +334,32 @@ std::string law_source(const PluginProject& project) {
                     project.name, type);
 }
 
+// As a scene has it.
+std::string value_of(const PluginProject& project, const std::string& parameter) {
+  const auto given = project.given.find(parameter);
+  if (given == project.given.end()) return project.value;
+  const std::string text = fmt::format("{}", given->second.number);
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
 // { type = "…", stiffness = 1.0 }
 std::string use_of(const PluginProject& project, const std::string& type) {
   std::string text = "{ " + type;
   if (is_law(project))
     for (const std::string& name : source_of(formula_of(project)).parameters)
-      text += fmt::format(", {} = {}", name, project.value);
+      text += fmt::format(", {} = {}", name, value_of(project, name));
   return text + " }";
+}
+
+// "  # N/m, m", or nothing.
+std::string units_of(const PluginProject& project) {
+  std::string text;
+  for (const std::string& name : source_of(formula_of(project)).parameters) {
+    const auto given = project.given.find(name);
+    if (given == project.given.end() || given->second.unit.empty()) return "";
+    text += (text.empty() ? "  # " : ", ") + given->second.unit;
+  }
+  return text;
 }
 
 std::string scene_of(const PluginProject& project, const std::string& type) {
@@ -327,10 +369,10 @@ std::string scene_of(const PluginProject& project, const std::string& type) {
   std::string integrator = "{ name = \"recurrent\", theta = 0.5 }";
   switch (project.kind) {
     case ComponentKind::spring_function:
-      spring = use_of(project, type);
+      spring = use_of(project, type) + units_of(project);
       break;
     case ComponentKind::viscosity_function:
-      viscosity = use_of(project, type);
+      viscosity = use_of(project, type) + units_of(project);
       break;
     case ComponentKind::neuron:
       neuron = "{ " + type + ", mass = 0.01, drag = 0.005 }  # kg, kg/s";
@@ -375,13 +417,35 @@ std::string readme_of(const PluginProject& project) {
     next =
         project.formula.empty()
             ? "Change the formula in `force`, its parameters, their values in the scene, and the formula in the test."
-            : "Give the parameters units, meanings and bounds (TODO), and the scene values that suit the law.";
+            : "Give the parameters what the source says (TODO), and the scene values that suit the law.";
   } else if (project.kind == ComponentKind::neuron) {
     tests = "it loads, moves as the reference, and has the bits of springnet's own neuron `dragged`";
     next = "Change the formula in `acceleration`, and what the test compares it with.";
   }
-  return fmt::format(readme_text, fmt::arg("name", project.name), fmt::arg("kind", name_of(project.kind)),
-                     fmt::arg("tests", tests), fmt::arg("next", next));
+  return fmt::format(
+      readme_text, fmt::arg("name", project.name), fmt::arg("kind", name_of(project.kind)), fmt::arg("tests", tests),
+      fmt::arg("next", next),
+      fmt::arg("plot", is_law(project) ? fmt::format(" --plot {}.html   # its curves", project.name) : ""));
+}
+
+// Throws Error(input) for values of what the formula does not read, and units that do not fit.
+void check_given(const PluginProject& project) {
+  LawFormula law = formula_of(project);
+  ParameterValues values;
+  for (const std::string& name : parameters_of(law)) {
+    const auto given = project.given.find(name);
+    law.parameters.push_back({name, given == project.given.end() ? "" : given->second.unit});
+    values[name] = 1.0;
+  }
+  for (const auto& [name, value] : project.given) {
+    if (values.contains(name)) continue;
+    std::vector<std::string> known;
+    for (const FormulaSymbol& each : law.parameters) known.push_back(each.name);
+    const std::string near = suggestion(name, known);
+    throw Error(ErrorKind::input, fmt::format("--set: the formula has no parameter '{}'{}{}", printable(name),
+                                              near.empty() ? "" : "; ", near));
+  }
+  static_cast<void>(law_of(law, values));
 }
 
 }  // namespace
@@ -389,6 +453,7 @@ std::string readme_of(const PluginProject& project) {
 std::string scene_with_formula(const PluginProject& project) { return scene_of(project, formula_in_scene(project)); }
 
 std::vector<ProjectFile> files_of(const PluginProject& project) {
+  if (!project.given.empty()) check_given(project);
   const bool integrator = project.kind == ComponentKind::integrator;
   const std::string own = fmt::format("{} = \"{}\"", integrator ? "name" : "type", project.name);
   const std::string type = type_of(project);

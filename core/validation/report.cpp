@@ -4,8 +4,9 @@
 #include <springnet/validation.hpp>
 #include <springnet/version.hpp>
 
+#include "figure/figure.hpp"
 #include "text/counted.hpp"
-#include "validation/plot.hpp"
+#include "text/markup.hpp"
 #include "validation/scale.hpp"
 #include "validation/table.hpp"
 
@@ -27,10 +28,6 @@ th, td { padding: .3rem .9rem .3rem 0; border-bottom: 1px solid var(--faint); te
 th { font-weight: 600; }
 th:first-child, td:first-child, th:last-child, td:last-child { text-align: left; }
 td:last-child { white-space: normal; }
-svg { width: 100%; height: auto; font-size: 13px; }
-svg text { fill: var(--ink); }
-svg .grid { stroke: var(--faint); }
-svg .frame { fill: none; stroke: var(--soft); }
 )";
 
 std::string html_table(const Validation& validation) {
@@ -46,12 +43,19 @@ std::string html_table(const Validation& validation) {
   return html + "</table></div>\n";
 }
 
-Plot error_over_time(const Validation& validation) {
-  Plot plot{{"time, s", false}, {"greatest distance of a node from the reference, m", true}, {}};
+// A picture of one panel, drawn by the page's styles.
+std::string picture(figure::FigurePanel panel, const std::string& ids) {
+  panel.height = 340.0;
+  panel.y_logarithmic = panel.has_plain_lines = true;
+  return figure::draw({{"", {}, {std::move(panel)}}}, {.is_embedded = true, .ids = ids}).svg;
+}
+
+std::string error_over_time(const Validation& validation) {
+  figure::FigurePanel panel{"time, s", "greatest distance of a node from the reference, m", {}, {}};
   const auto add = [&](const std::string& label, const std::vector<double>& errors, bool dashed) {
-    PlotSeries series{label, {}, errors, false, dashed};
-    series.x.assign(validation.times.begin(), validation.times.begin() + static_cast<std::ptrdiff_t>(errors.size()));
-    plot.series.push_back(std::move(series));
+    figure::FigureCurve curve{label, {}, errors, dashed};
+    curve.x.assign(validation.times.begin(), validation.times.begin() + static_cast<std::ptrdiff_t>(errors.size()));
+    panel.curves.push_back(std::move(curve));
   };
   for (const ValidationRun& run : validation.runs) {
     add(fmt::format("time step {:g} s", run.time_step), run.error.max_by_time, false);
@@ -61,13 +65,14 @@ Plot error_over_time(const Validation& validation) {
         validation.second_order->error.max_by_time, false);
   }
   add("uncertainty of the reference", validation.certification.max_by_time, true);
-  return plot;
+  return picture(std::move(panel), "over_time");
 }
 
-Plot error_over_time_step(const Validation& validation) {
-  Plot plot{{"time step, s", true}, {"error, m", true}, {}};
-  PlotSeries max{"max over nodes and times", {}, {}, true, false};
-  PlotSeries rms{fmt::format("rms, slope {}", order_text(validation.observed_order)), {}, {}, true, false};
+std::string error_over_time_step(const Validation& validation) {
+  figure::FigurePanel panel{"time step, s", "error, m", {}, {}};
+  panel.x_logarithmic = true;
+  figure::FigureCurve max{"max over nodes and times", {}, {}, false, true};
+  figure::FigureCurve rms{fmt::format("rms, slope {}", order_text(validation.observed_order)), {}, {}, false, true};
   for (const ValidationRun& run : validation.runs) {
     if (!run.finished()) continue;
     max.x.push_back(run.time_step);
@@ -78,15 +83,15 @@ Plot error_over_time_step(const Validation& validation) {
   if (rms.x.size() >= 2 && rms.y.front() > 0.0) {
     // First order, for comparison.
     const double ratio = rms.x.back() / rms.x.front();
-    plot.series.push_back(
-        {"first order", {rms.x.front(), rms.x.back()}, {rms.y.front(), rms.y.front() * ratio}, false, true});
+    panel.curves.push_back(
+        {"first order", {rms.x.front(), rms.x.back()}, {rms.y.front(), rms.y.front() * ratio}, true, false});
   }
   if (validation.second_order && validation.second_order->finished()) {
     const ValidationRun& run = *validation.second_order;
-    plot.series.push_back({"max with theta = 0.5", {run.time_step}, {run.error.max}, true, false});
+    panel.curves.push_back({"max with theta = 0.5", {run.time_step}, {run.error.max}, false, true});
   }
-  plot.series.insert(plot.series.begin(), {max, rms});
-  return plot;
+  panel.curves.insert(panel.curves.begin(), {max, rms});
+  return picture(std::move(panel), "over_time_step");
 }
 
 }  // namespace
@@ -96,10 +101,11 @@ std::string to_html(const Validation& validation) {
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Validation: {0}</title>\n"
-      "<style>{1}</style></head><body>\n<h1>{0}</h1>\n"
+      "<style>{1}{8}</style></head><body>\n<h1>{0}</h1>\n"
       "<p class=\"soft\">{2}: {3}, {4}, {5:g} s, compared at {6}. springnet {7}</p>\n",
       escape_html(name), style, escape_html(validation.scene), counted(validation.nodes, "node"),
-      counted(validation.springs, "spring"), validation.duration, counted(validation.times.size(), "time"), version());
+      counted(validation.springs, "spring"), validation.duration, counted(validation.times.size(), "time"), version(),
+      figure::embedded_style);
 
   const ValidationRun& own = validation.run_of_scene();
   if (own.finished()) {
@@ -125,8 +131,8 @@ std::string to_html(const Validation& validation) {
 
   html += "<h2>Runs</h2>\n" + html_table(validation);
   html += "<p class=\"soft\">* the scene's own time step. Order: from the run above to this one, by rms error.</p>\n";
-  html += "<h2>Error over time</h2>\n" + to_svg(error_over_time(validation));
-  html += "<h2>Error over time step</h2>\n" + to_svg(error_over_time_step(validation));
+  html += "<h2>Error over time</h2>\n" + error_over_time(validation);
+  html += "<h2>Error over time step</h2>\n" + error_over_time_step(validation);
   if (!validation.notes.empty()) {
     html += "<h2>Notes</h2>\n<ul>\n";
     for (const std::string& note : validation.notes) html += fmt::format("<li>{}</li>\n", escape_html(note));

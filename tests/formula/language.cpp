@@ -1,5 +1,6 @@
 // The language of formulas: values, priorities, names, and what mistakes are told.
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -14,10 +15,24 @@
 #include <springnet/simulation.hpp>
 
 #include "facts.hpp"
+#include "law_call.hpp"
 
 using namespace springnet;
 
 namespace {
+
+// Springs of the given lengths and rest length 1 m, 5 s after the start.
+test::LawAnswer answer_of(const Component& component, const test::Array& q, const test::Array& rate,
+                          const std::vector<test::Array>& parameters) {
+  test::LawInput input;
+  input.count = static_cast<std::uint32_t>(q.size());
+  input.q = q;
+  input.rate = rate;
+  input.reference = {1.0};
+  input.parameters = parameters;
+  input.time = 5.0;
+  return test::evaluate(*component.description, input);
+}
 
 // The force of a spring of length 1.3 m and rest length 1 m, with a = 2 and b = -3, whose length grows by 0.7 m/s.
 double value_of(const std::string& text, std::vector<FormulaCurve> curves = {}) {
@@ -25,23 +40,9 @@ double value_of(const std::string& text, std::vector<FormulaCurve> curves = {}) 
   law.force = text + " + 0*(a + b + rate)";
   law.parameters = {{"a"}, {"b"}};
   law.curves = std::move(curves);
-  const auto component = component_of(law);
-  const double q = 1.3, rate = 0.7, reference = 1.0, a = 2.0, b = -3.0;
-  const double* parameters[] = {&a, &b};
-  const std::uint32_t strides[] = {0, 0};
-  double force = 0.0;
-  springnet_law_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = 1;
-  batch.time = 5.0;
-  batch.q = &q;
-  batch.rate = &rate;
-  batch.reference = &reference;
-  batch.parameters = parameters;
-  batch.parameter_strides = strides;
-  batch.force = &force;
-  REQUIRE(component->law().evaluate(component->law().context, &batch) == SPRINGNET_OK);
-  return force;
+  const test::LawAnswer answer = answer_of(*component_of(law), {1.3}, {0.7}, {{2.0}, {-3.0}});
+  REQUIRE(answer.status == SPRINGNET_OK);
+  return answer.force[0];
 }
 
 std::string refusal(const LawFormula& law) {
@@ -122,25 +123,12 @@ TEST_CASE("derivatives where a branch or a slope ends are those of the SDK's num
   LawFormula law;
   law.force = "max(e, 0) + sqrt(stiffness*0) + e^limit";
   law.parameters = {{"stiffness"}, {"limit"}};
-  const auto component = component_of(law);
-  const double q[] = {1.0, 0.7, 1.3}, reference = 1.0, stiffness = 2.0, limit = 0.0;
-  const double* parameters[] = {&stiffness, &limit};
-  const std::uint32_t strides[] = {0, 0};
-  double force[3], by_q[3];
-  springnet_law_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = 3;
-  batch.q = q;
-  batch.reference = &reference;
-  batch.parameters = parameters;
-  batch.parameter_strides = strides;
-  batch.force = force;
-  batch.force_by_q = by_q;
-  REQUIRE(component->law().evaluate(component->law().context, &batch) == SPRINGNET_OK);
-  CHECK(force[0] == 1.0);
-  CHECK(by_q[0] == 1.0);  // max takes its first argument where both are equal
-  CHECK(by_q[1] == 0.0);
-  CHECK(by_q[2] == 1.0);
+  const test::LawAnswer answer = answer_of(*component_of(law), {1.0, 0.7, 1.3}, {0.0, 0.0, 0.0}, {{2.0}, {0.0}});
+  REQUIRE(answer.status == SPRINGNET_OK);
+  CHECK(answer.force[0] == 1.0);
+  CHECK(answer.by_q[0] == 1.0);  // max takes its first argument where both are equal
+  CHECK(answer.by_q[1] == 0.0);
+  CHECK(answer.by_q[2] == 1.0);
 }
 
 TEST_CASE("mistakes are told with their column and a caret") {
@@ -242,21 +230,8 @@ TEST_CASE("texts by chance are taken or refused, and what is taken computes") {
       continue;
     }
     ++taken;
-    const double q[] = {1.0, 1.1, 0.0}, reference = 1.0, rate[] = {0.0, -1.0, 2.0}, one = 1.0;
-    const double* parameters[] = {&one, &one};
-    const std::uint32_t strides[] = {0, 0};
-    double force[3], by_q[3];
-    springnet_law_batch batch{};
-    batch.struct_size = sizeof batch;
-    batch.count = 3;
-    batch.q = q;
-    batch.rate = rate;
-    batch.reference = &reference;
-    batch.parameters = parameters;
-    batch.parameter_strides = strides;
-    batch.force = force;
-    batch.force_by_q = by_q;
-    if (component->law().evaluate(component->law().context, &batch) != SPRINGNET_OK) FAIL(law.force);
+    const test::LawAnswer answer = answer_of(*component, {1.0, 1.1, 0.0}, {0.0, -1.0, 2.0}, {{1.0}, {1.0}});
+    if (answer.status != SPRINGNET_OK) FAIL(law.force);
   }
   CHECK(taken > 300);
 }

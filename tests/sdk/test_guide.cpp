@@ -11,15 +11,16 @@
 #include <springnet/simulation.hpp>
 
 extern "C" {
-extern const springnet_plugin springnet_plugin_entry_example_1;
-extern const springnet_plugin springnet_plugin_entry_example_3;
-extern const springnet_plugin springnet_plugin_entry_example_4;
-extern const springnet_plugin springnet_plugin_entry_example_5;
-extern const springnet_plugin springnet_plugin_entry_example_6;
-extern const springnet_plugin springnet_plugin_entry_example_7;
-extern const springnet_plugin springnet_plugin_entry_example_8;
-extern const springnet_plugin springnet_plugin_entry_example_several;
-extern const springnet_plugin springnet_plugin_entry_example_elements;
+extern const springnet_plugin springnet_plugin_entry_tendon;
+extern const springnet_plugin springnet_plugin_entry_brittle;
+extern const springnet_plugin springnet_plugin_entry_relaxing;
+extern const springnet_plugin springnet_plugin_entry_motor;
+extern const springnet_plugin springnet_plugin_entry_fibre;
+extern const springnet_plugin springnet_plugin_entry_skin;
+extern const springnet_plugin springnet_plugin_entry_swimmer;
+extern const springnet_plugin springnet_plugin_entry_euler;
+extern const springnet_plugin springnet_plugin_entry_spring_by_spring;
+extern const springnet_plugin springnet_plugin_entry_solid;
 }
 
 std::shared_ptr<springnet::PluginHost> plugins_with_own_laws(const std::vector<double>& measured, double gain);
@@ -30,10 +31,10 @@ using namespace springnet;
 std::shared_ptr<const PluginHost> plugins() {
   auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
   for (const springnet_plugin* plugin :
-       {&springnet_plugin_entry_example_1, &springnet_plugin_entry_example_3, &springnet_plugin_entry_example_4,
-        &springnet_plugin_entry_example_5, &springnet_plugin_entry_example_6, &springnet_plugin_entry_example_7,
-        &springnet_plugin_entry_example_8, &springnet_plugin_entry_example_several,
-        &springnet_plugin_entry_example_elements}) {
+       {&springnet_plugin_entry_tendon, &springnet_plugin_entry_brittle, &springnet_plugin_entry_relaxing,
+        &springnet_plugin_entry_motor, &springnet_plugin_entry_fibre, &springnet_plugin_entry_skin,
+        &springnet_plugin_entry_swimmer, &springnet_plugin_entry_euler, &springnet_plugin_entry_spring_by_spring,
+        &springnet_plugin_entry_solid}) {
     CAPTURE(std::string(plugin->id));
     CHECK(host->add(*plugin));
   }
@@ -172,6 +173,26 @@ TEST_CASE("the guide's law with memory relaxes, and its integrator, which knows 
   options.integrator = {"euler", {}};
   CHECK_THROWS_WITH_AS(Simulation(network, host, options), doctest::Contains("does not integrate the internal state"),
                        Error);
+}
+
+TEST_CASE(
+    "the guide's law in C moves a net as the shipped standard linear solid, which the SDK differentiates and steps") {
+  const auto host = plugins();
+  const ParameterValues values{{"stiffness", 20.0}, {"fast_stiffness", 15.0}, {"relaxation_time", 0.4}};
+  for (const double theta : {1.0, 0.5}) {
+    CAPTURE(theta);
+    SimulationOptions options;
+    options.time_step = 0.02;
+    options.integrator = {"recurrent", {{"theta", theta}, {"update", 4.0}, {"force_tolerance", 1e-11}}};
+    Simulation in_c(swinging({"solid_in_c", values}, {"point_mass", {}}), host, options);
+    Simulation shipped(swinging({"standard_linear_solid", values}, {"point_mass", {}}), host, options);
+    in_c.advance_to(1.0);
+    shipped.advance_to(1.0);
+    // At theta 1/2 the SDK's law, whose rates are smooth, makes another step of the states, of the same order.
+    const double tolerance = theta == 1.0 ? 1e-9 : 1e-4;
+    CHECK((in_c.positions() - shipped.positions()).cwiseAbs().maxCoeff() <= tolerance);
+    CHECK(in_c.internal_states(0)[0] != 0.0);
+  }
 }
 
 TEST_CASE("the guide's law with tables pulls by what it prepared") {

@@ -1,11 +1,17 @@
 // The same bits for every number of threads, under every update rule and integrator: with contact, with rigid bodies
-// that cross the boundaries of units, and with elements and an enclosure.
+// that cross the boundaries of units, and with elements and an enclosure. What programs do in each thread.
 
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
+
+#include <springnet/calling_threads.hpp>
+#include <springnet/host_laws.hpp>
 
 #include "nets.hpp"
 
@@ -128,4 +134,44 @@ TEST_CASE("the same bits for every number of threads: rigid bodies across units,
 
 TEST_CASE("the same bits for every number of threads: elements and an enclosure, every integrator") {
   check_all(block_with_elements(two_units), 2);
+}
+
+TEST_CASE("a program prepares each thread once, before the first call of a component in it") {
+  static std::atomic<int> prepared, wrong;
+  static thread_local int times;
+  prepared = wrong = 0;
+  auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  host->add(
+      spring_function(describe("looking", "counts calls in threads not prepared once"), [](const auto& e, const auto&) {
+        if (times != 1) ++wrong;
+        return e.elongation();
+      }));
+  const auto simulate_in_new_thread = [&host] {
+    std::thread([&host] {
+      Network net;
+      Lattice lattice;
+      lattice.nodes = {two_units, two_units, two_units};
+      net.add_lattice("block", lattice, point(Vector3::Zero(), 1.0), net.add_material({LawUse{"looking", {}}, {}}));
+      SimulationOptions options;
+      options.integrator = single_sweep();
+      options.threads = 2;
+      Simulation simulation(net, host, options);
+      for (int step = 0; step < 20; ++step) simulation.step();
+    }).join();
+  };
+  prepare_calling_threads([]() noexcept {
+    ++prepared;
+    ++times;
+  });
+  simulate_in_new_thread();
+  const int first = prepared;  // of two threads, unless one did all
+  CHECK(first >= 1);
+  CHECK(first <= 2);
+  simulate_in_new_thread();  // in others
+  CHECK(prepared > first);
+  CHECK(wrong == 0);
+  prepare_calling_threads(nullptr);
+  simulate_in_new_thread();
+  CHECK(prepared <= 4);
+  CHECK(wrong > 0);
 }

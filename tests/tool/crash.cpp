@@ -100,6 +100,32 @@ TEST_CASE("a law that crashes is named, and its records are kept, by every signa
   }
 }
 
+// The handler cannot run on a stack that is used up: each thread needs another one.
+TEST_CASE("a law that recurses until its thread has no stack left is named, in whatever thread and in a worker") {
+  for (const int how : {5, 6}) {
+    CAPTURE(how);
+    const TemporaryFolder folder;
+    // Long enough to crash, and so many nodes that both threads have some.
+    folder.write("crashing.toml", R"(
+[simulation]
+duration = 1.0
+time_step = 0.01
+[[body]]
+name = "net"
+mesh = { lattice = [100, 100, 2], spacing = 2.0 }
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "crashing", how = 0 }
+[output]
+view = false
+)");
+    const Answer answer = run(folder, fmt::format("-q --threads 2 --set body.0.spring.how={}", how));
+    CAPTURE(answer.err);
+    CHECK(answer.status == 128 + SIGSEGV);
+    CHECK(answer.err.find("spring function 'crashing' of plugin org.example.crashing") != std::string::npos);
+    CHECK(answer.err.find("called for springs ") != std::string::npos);
+  }
+}
+
 TEST_CASE("the next run in the folder of a crashed one works") {
   const TemporaryFolder folder;
   folder.write("crashing.toml", crashing_scene);

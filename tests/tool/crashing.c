@@ -1,13 +1,25 @@
 /* A spring function T = l - l0 that crashes once a spring is longer than 1.5 m, as `how` says. */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <springnet/sdk/plugin.h>
 
 SPRINGNET_PLUGIN_NOTE(0);
 
 static volatile int* volatile nowhere = NULL;
+
+/* Needs the whole stack. */
+static volatile int forever = 1;
+static int deeper(int depth) {
+  volatile char room[4096];
+  room[depth % 4096] = 1;
+  return forever ? deeper(depth + 1) + room[depth % 4096] : depth;
+}
+
+static int is_worker(void) { return syscall(SYS_gettid) != getpid(); }
 
 static springnet_status evaluate(void* context, const springnet_law_batch* batch) {
   (void)context;
@@ -17,7 +29,8 @@ static springnet_status evaluate(void* context, const springnet_law_batch* batch
       const int how = (int)batch->parameters[0][0];
       if (how == 0) *nowhere = 1;
       if (how == 1) abort();
-      raise(how == 2 ? SIGFPE : how == 3 ? SIGILL : SIGBUS);
+      if (how == 5 || (how == 6 && is_worker())) forever += deeper(0);
+      if (how < 5) raise(how == 2 ? SIGFPE : how == 3 ? SIGILL : SIGBUS);
     }
     if (batch->force != NULL) batch->force[i] = batch->q[i] - rest;
     if (batch->force_by_q != NULL) batch->force_by_q[i] = 1.0;
@@ -30,10 +43,10 @@ static const springnet_parameter how = {.struct_size = sizeof(springnet_paramete
                                         .type = SPRINGNET_INTEGER,
                                         .name = "how",
                                         .unit = "1",
-                                        .summary = "which signal",
+                                        .summary = "which signal, or recursion: anywhere, in a worker thread",
                                         .default_value = 0,
                                         .smallest = 0,
-                                        .largest = 4,
+                                        .largest = 6,
                                         .scale = 1};
 static const springnet_parameter* const parameters[] = {&how};
 static const springnet_law law = {.struct_size = sizeof(springnet_law),

@@ -36,7 +36,7 @@ TEST_CASE("a new plugin has a source, a project, a test, a scene and a page") {
       CHECK(std::filesystem::exists(folder.path() / name / file));
       CHECK(has(answer.out, name + "/" + file));
     }
-    CHECK(has(answer.out, "Next: cmake -S " + name + " -B " + name + "/build"));
+    CHECK(has(answer.out, "Next:\n  cmake -S " + name + " -B " + name + "/build"));
     const std::string source = testing::read_text(folder.path() / name / (name + ".cpp"));
     CHECK(has(source, "SPRINGNET_PLUGIN(\"org.example." + name + "\""));
     if (kind != std::string("integrator")) CHECK(lines_of(source) <= 20);
@@ -69,6 +69,23 @@ TEST_CASE("a formula becomes C++ with its names as parameters to be described") 
   CHECK(has(testing::read_text(folder.path() / "a/b/honey.cpp"), "return p[drag] * e.rate; }"));
 }
 
+TEST_CASE("values and units of parameters stand in the source and the scene") {
+  const TemporaryFolder folder;
+  const std::string given = std::string(fene) + " --set stiffness='3 N/m' --set limit=";
+  REQUIRE(testing::springnet(folder, given + "'0.5 m'").status == 0);
+  const std::string source = testing::read_text(folder.path() / "fene/fene.cpp");
+  CAPTURE(source);
+  CHECK(has(source, "{number(\"stiffness\", \"N/m\", \"\").learnable(3),\n"));
+  CHECK(has(source, "number(\"limit\", \"m\", \"\").learnable(0.5)};\n"));
+  CHECK(has(source, "TODO: meanings and bounds"));
+  CHECK(has(testing::read_text(folder.path() / "fene/fene.toml"),
+            "{ type = \"fene\", stiffness = 3.0, limit = 0.5 }  # N/m, m\n"));
+  // A unit that is not given is one to be added.
+  REQUIRE(testing::springnet(folder, given + "0.5 -o half").status == 0);
+  CHECK(has(testing::read_text(folder.path() / "half/fene.cpp"), "TODO: units, meanings and bounds"));
+  CHECK(has(testing::read_text(folder.path() / "half/fene.toml"), "limit = 0.5 }\n"));
+}
+
 TEST_CASE("parameters have values with which the scene runs, or it is said that none was found") {
   const TemporaryFolder folder;
   // With k = 1 the upper spring would be longer by 0.2 m.
@@ -77,7 +94,7 @@ TEST_CASE("parameters have values with which the scene runs, or it is said that 
   CHECK(has(testing::read_text(folder.path() / "short/short.toml"), "{ type = \"short\", k = 10.0 }"));
   const Answer never = testing::springnet(folder, "plugin new never --kind spring --formula 'k*sqrt(e - 100)'");
   CHECK(never.status == 0);
-  CHECK(has(never.out, "The test will fail until never.toml has values that suit the law."));
+  CHECK(has(never.out, "The test will fail until never.toml has values that suit the law (--set"));
   CHECK(has(testing::read_text(folder.path() / "never/never.toml"), "k = 1.0"));
   CHECK_FALSE(has(testing::springnet(folder, fene).out, "will fail"));
 }
@@ -108,6 +125,14 @@ TEST_CASE("what 'plugin new' cannot do is a usage error, and nothing is written"
         Wrong{"law --kind spring --formula 'K*e'", "lower case"},
         Wrong{"law --kind spring --formula '_k*e'", "begin with a lower-case letter"},
         Wrong{"law --kind spring --formula 'type*e'", "scenes have this key"},
+        Wrong{"law --kind spring --set k=1", "--set gives values of a formula's parameters"},
+        Wrong{"law --kind spring --formula 'stiffness*e' --set stifness=1",
+              "no parameter 'stifness'; did you mean 'stiffness'"},
+        Wrong{"law --kind spring --formula 'k*e' --set k='1 N'", "is in J, and must be in N"},
+        Wrong{"law --kind spring --formula 'k*e' --set k=N", "--set 'k=N': write NAME=NUMBER"},
+        Wrong{"law --kind spring --formula 'k*e' --set k=1N", "--set 'k=1N': write NAME=NUMBER"},
+        Wrong{"law --kind spring --formula 'k*e' --set k", "--set 'k': write NAME=NUMBER"},
+        Wrong{"law --kind spring --formula 'k*e' --set k=1 --set k=2", "given twice"},
         Wrong{"law --kind spring --formula 'k*speed'", "'speed' is read by viscosities alone"}}) {
     CAPTURE(wrong.arguments);
     const Answer answer = testing::springnet(folder, std::string("plugin new ") + wrong.arguments);

@@ -11,7 +11,7 @@
 // in contact the host constrains both parts of the step, the drift from p to p' and the kick from v_1/2 to v', because
 // the reactions of each part decide about contact.
 //
-// It is also the example of an integrator: see "Integrators" in sdk/README.md.
+// It is also the example of an integrator: see sdk/integrators.md.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
