@@ -150,7 +150,7 @@ Outcome check_speed(const LawSubject& subject) {
   if (linear == nullptr) return {Result::passed, fmt::format("{:.2g} ns an element", own)};
   LawSubject other = subject;
   other.component = linear;
-  other.use = nullptr;
+  other.scene = nullptr;
   const double reference = cost(other);
   return {Result::passed, fmt::format("{:.2g} ns an element, {:.1f} times `linear`", own, own / reference)};
 }

@@ -94,7 +94,8 @@ class Judge {
   std::set<std::string_view> bad_;  // failed or skipped
 };
 
-void check_one(const std::shared_ptr<const Component>& component, const LawUse* use, const Options& options,
+// scene: of a law that a scene uses; null: none.
+void check_one(const std::shared_ptr<const Component>& component, const SceneLaw* scene, const Options& options,
                Report& report) {
   Judge judge(*component, options, report);
   if (judge.wanted("load")) judge.note("load", check_texts(*component));
@@ -108,7 +109,7 @@ void check_one(const std::shared_ptr<const Component>& component, const LawUse* 
         judge.run(check.name, check.needs, "the integrator", [&] { return check.run(*component, *options.host); });
       break;
     default: {
-      const LawSubject subject{component, options.host, use, options.seed};
+      const LawSubject subject{component, options.host, scene, options.seed};
       for (const LawCheck& check : law_checks())
         judge.run(check.name, check.needs, "the law", [&] { return check.run(subject); });
     }
@@ -180,16 +181,10 @@ Report check_file(const std::filesystem::path& file, const Options& options) {
 
 Report check_laws_of(const Network& network, const Options& options) {
   Report report{options.seed, true, {}};
-  std::vector<std::pair<ComponentKind, LawUse>> seen;
-  const auto check = [&](const std::optional<LawUse>& use, ComponentKind kind) {
-    if (!use || std::find(seen.begin(), seen.end(), std::pair(kind, *use)) != seen.end()) return;
-    seen.emplace_back(kind, *use);
-    check_one(use->component != nullptr ? use->component : options.host->require(kind, use->id), &*use, options,
+  for (const SceneLaw& law : laws_of(network, *options.host)) {
+    const LawUse& use = law.use;
+    check_one(use.component != nullptr ? use.component : options.host->require(law.kind, use.id), &law, options,
               report);
-  };
-  for (const Material& material : network.materials()) {
-    check(material.spring, ComponentKind::spring_function);
-    check(material.viscosity, ComponentKind::viscosity_function);
   }
   return report;
 }

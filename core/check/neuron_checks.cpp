@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "check/child.hpp"
-#include "check/differences.hpp"
 #include "check/points.hpp"
+#include "check/quadrature.hpp"
 
 namespace springnet::check {
 namespace {
@@ -133,38 +133,48 @@ Outcome check_neuron_derivatives(const Component& component, std::uint64_t seed)
   std::mt19937_64 random(seed);
   for (int k = 0; k < 40; ++k) {
     const std::vector<double> at = any_node(component, random);
-    const NeuronAnswer claimed = answer_of(component, at, true);
+    const std::size_t declared = answer_of(component, at, true).by.size();
     for (std::size_t column = 0; column < at.size(); ++column) {
+      const bool is_force = column < position;
       if (column >= parameter && component.description->parameters[column - parameter]->type != SPRINGNET_NUMBER)
         continue;
-      const Functions functions = [&](const std::vector<double>& xs) {
-        std::vector<std::vector<double>> values(3);
+      if (!is_force && column >= declared) continue;
+      // Of each axis the declared derivative, then 1 / mass.
+      const Pairs pairs = [&](const std::vector<double>& xs) {
+        std::vector<Pair> result(is_force ? 6 : 3);
         std::vector<double> moved = at;
         for (const double x : xs) {
           moved[column] = x;
-          const auto a = answer_of(component, moved, false).acceleration;
-          for (std::size_t axis = 0; axis < 3; ++axis) values[axis].push_back(a[axis]);
+          const NeuronAnswer answer = answer_of(component, moved, true);
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            result[axis].values.push_back(answer.acceleration[axis]);
+            if (column < answer.by.size()) result[axis].derivatives.push_back(answer.by[column][axis]);
+            if (!is_force) continue;
+            result[3 + axis].values.push_back(answer.acceleration[axis]);
+            result[3 + axis].derivatives.push_back(column == axis ? 1.0 / at[mass] : 0.0);
+          }
         }
-        return values;
+        return result;
       };
-      const double step = 0.1 * std::max(std::abs(at[column]), 1e-2);
-      const std::vector<Slope> found = slopes(functions, at[column], step);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Slope& slope = found[axis];
-        const auto differs = [&](double value) {
-          return compare(value, slope) == Verdict::differs &&
-                 differs_for_all_steps(value, functions, axis, at[column], step);
-        };
-        if (column < position && differs(column == axis ? 1.0 / at[mass] : 0.0))
+      double step = 0.05 * std::max(std::abs(at[column]), 1e-2);
+      if (column >= parameter) {
+        const springnet_parameter& p = *component.description->parameters[column - parameter];
+        step = std::min({step, 0.5 * (at[column] - p.smallest), 0.5 * (p.largest - at[column])});
+      }
+      if (!(step > 0.0)) continue;
+      const std::vector<Comparison> found = compare_over(pairs, at[column] - step, at[column] + step);
+      for (std::size_t pair = found.size(); pair-- > 0;) {  // F / m first
+        if (found[pair].verdict != Verdict::differs) continue;
+        const double slope = found[pair].change / (2.0 * step), claimed = found[pair].integral / (2.0 * step);
+        if (pair >= 3)
           return {Result::failed,
-                  fmt::format("the acceleration grows by {:.9g} with the force, not by 1 / mass, {:.9g}: "
-                              "constraints rely on F / m",
-                              slope.value, column == axis ? 1.0 / at[mass] : 0.0)};
-        if (column >= claimed.by.size() || !differs(claimed.by[column][axis])) continue;
+                  fmt::format("the acceleration grows by {:.9g} with the force, not by 1 / mass, {:.9g}: constraints "
+                              "rely on F / m",
+                              slope, claimed)};
         return {
             Result::failed,
-            fmt::format("the derivative of the acceleration by {} is {:.9g}, differences give {:.9g} (within {:.1e})",
-                        column_name(component, column), claimed.by[column][axis], slope.value, slope.error)};
+            fmt::format("the derivative of the acceleration by {} is {:.9g}, its change gives {:.9g} (within {:.1e})",
+                        column_name(component, column), claimed, slope, found[pair].error / (2.0 * step))};
       }
     }
   }

@@ -48,8 +48,9 @@ std::string check_monotone(ReadyLaw& ready) {
   return {};
 }
 
-// Pushing is a force below 0 in an element that is compressed, or becomes shorter.
-Outcome check_compression(ReadyLaw& ready) {
+// Pushing is a force below 0 in an element that is compressed, or becomes shorter. has_free_parameters: they are not
+// those of a scene, with which a law that can push need not.
+Outcome check_compression(ReadyLaw& ready, bool has_free_parameters) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
   const bool declared = call.has(SPRINGNET_ACTS_IN_COMPRESSION);
@@ -74,7 +75,7 @@ Outcome check_compression(ReadyLaw& ready) {
     return {Result::failed, fmt::format("it pushes with {:.6g} {}: declare SPRINGNET_ACTS_IN_COMPRESSION",
                                         -answer.rows[0][k], place(call, compressed[k]))};
   }
-  if (!declared || !can_declare(call.component())) return {};
+  if (!declared || !has_free_parameters) return {};
   return {Result::warned, "it declares SPRINGNET_ACTS_IN_COMPRESSION, but never pushes: drop that if it pulls alone"};
 }
 
@@ -97,7 +98,7 @@ Outcome check_promises(const LawSubject& subject) {
   if (call.has(SPRINGNET_MONOTONE) && !call.several())
     if (const std::string wrong = check_monotone(ready); !wrong.empty()) return {Result::failed, wrong};
   if (call.several() || call.law().invariant == SPRINGNET_RELATIVE_SPEED) return {};
-  return check_compression(ready);
+  return check_compression(ready, subject.scene == nullptr);
 }
 
 }  // namespace springnet::check

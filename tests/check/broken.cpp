@@ -66,8 +66,11 @@ TEST_CASE("each mistake fails its own check first") {
            Case{"nan", "finite", Result::failed, "the force is nan"},
            Case{"divides", "finite", Result::failed, "DIVIDES_BY_REFERENCE"},
            Case{"loaded_at_rest", "rest", Result::failed, "NOT_ZERO_AT_REST"},
-           Case{"wrong_energy", "energy", Result::failed, "the energy's derivative"},
+           Case{"pole", "finite", Result::failed, "a pole at a stretch of 0.5"},
+           Case{"wrong_energy", "energy", Result::failed, "the energy changes by"},
+           Case{"slightly_wrong_energy", "energy", Result::failed, "the energy changes by"},
            Case{"wrong_derivative", "derivatives", Result::failed, "by invariant"},
+           Case{"slightly_wrong_derivative", "derivatives", Result::failed, "by invariant"},
            Case{"wrong_parameter_derivative", "derivatives", Result::failed, "parameter 'stiffness'"},
            Case{"adds_power", "dissipation", Result::failed, "adds the power"},
            Case{"batch_size", "batches", Result::failed, "elements at a time"},
@@ -137,6 +140,7 @@ TEST_CASE("what is doubtful is a warning") {
   };
   CHECK(warning("prefix", "load"));
   CHECK(warning("finite_beyond", "finite"));
+  CHECK(warning("finite_below", "finite"));
 }
 
 TEST_CASE("a seed repeats a report") {
