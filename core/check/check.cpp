@@ -36,6 +36,7 @@ const std::vector<LawCheck>& law_checks() {
       {"states", check_states, {"finite", "batches"}},
       {"promises", check_promises, {"finite"}},
       {"order", check_order, {"finite", "derivatives", "batches", "states"}},
+      {"leaks", check_leaks, {"arrays"}},
       {"speed", check_speed, {"arrays"}},
   };
   return checks;
@@ -59,9 +60,13 @@ struct IntegratorCheck {
   std::vector<std::string_view> needs;
 };
 const std::vector<IntegratorCheck>& integrator_checks() {
-  static const std::vector<IntegratorCheck> checks{{"call", check_integrator_call, {"load"}},
-                                                   {"order", check_integrator_order, {"call"}},
-                                                   {"momentum", check_integrator_momentum, {"call"}}};
+  static const std::vector<IntegratorCheck> checks{
+      {"call", check_integrator_call, {"load"}},         {"order", check_integrator_order, {"call"}},
+      {"momentum", check_integrator_momentum, {"call"}}, {"states", check_integrator_states, {"order"}},
+      {"events", check_integrator_events, {"order"}},    {"contact", check_integrator_contact, {"order"}},
+      {"rigid", check_integrator_rigid, {"order"}},      {"refusals", check_integrator_refusals, {"call"}},
+      {"options", check_integrator_options, {"call"}},   {"repeats", check_integrator_repeats, {"call"}},
+      {"memory", check_integrator_memory, {"repeats"}},  {"leaks", check_integrator_leaks, {"call"}}};
   return checks;
 }
 
@@ -144,7 +149,8 @@ const std::vector<std::string_view>& check_names() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{"load"};
     for (const LawCheck& check : law_checks()) all.push_back(check.name);
-    all.push_back("momentum");
+    for (const IntegratorCheck& check : integrator_checks())
+      if (std::find(all.begin(), all.end(), check.name) == all.end()) all.push_back(check.name);
     return all;
   }();
   return names;

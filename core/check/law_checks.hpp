@@ -32,6 +32,7 @@ struct LawSubject {
 [[nodiscard]] Outcome check_states(const LawSubject& subject);
 [[nodiscard]] Outcome check_promises(const LawSubject& subject);
 [[nodiscard]] Outcome check_order(const LawSubject& subject);
+[[nodiscard]] Outcome check_leaks(const LawSubject& subject);
 [[nodiscard]] Outcome check_speed(const LawSubject& subject);
 
 // A law ready to be called: tables prepared, typical parameters known. Throws std::runtime_error if the law needs

@@ -104,6 +104,12 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
   *(volatile double*)b->force_by_parameters = 0.0;
   *(volatile double*)NULL = 0.0;
 #endif
+#ifdef MISTAKE_LEAKS
+  static void* kept; /* a list that grows */
+  void** const item = malloc(24);
+  if (item) *item = kept;
+  kept = item;
+#endif
 #ifdef MISTAKE_FAILS
   return SPRINGNET_FAILED;
 #endif

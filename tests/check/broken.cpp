@@ -82,6 +82,7 @@ TEST_CASE("each mistake fails its own check first") {
            Case{"neuron_derivative", "derivatives", Result::failed, "by the velocity"},
            Case{"neuron_force", "derivatives", Result::failed, "F / m"},
            Case{"margin", "promises", Result::failed, "margin"},
+           Case{"leaks", "leaks", Result::failed, "each evaluation keeps"},
        }) {
     CAPTURE(std::string(each.name));
     const check::Report report = report_on(each.name);

@@ -97,7 +97,7 @@ TEST_CASE("the elements that are checked are the scene's: its lengths, with the 
   CHECK(laws[1].use.id == "linear");
   // Limits of 0.9 m and 30 m are beyond twice of these lengths, not of each other's.
   const check::Report report = check::check_laws_of(net, options());
-  CHECK(report.findings.size() == 26);
+  CHECK(report.findings.size() == 28);
   CHECK(finding(report, "finite").outcome.result == Result::passed);
 }
 
@@ -126,5 +126,5 @@ TEST_CASE("zero rest lengths, unused materials, and many springs are no trouble"
   for (int k = 1; k <= 3000; ++k) many.emplace_back(0.01 * k, LawUse{"linear", {{"stiffness", 1.0 * k}}});
   const check::Report report = check::check_laws_of(row(many), options());
   CHECK(report.passed());
-  CHECK(report.findings.size() == 13);
+  CHECK(report.findings.size() == 14);
 }
