@@ -48,9 +48,10 @@ struct NeuronCheck {
   std::vector<std::string_view> needs;
 };
 const std::vector<NeuronCheck>& neuron_checks() {
-  static const std::vector<NeuronCheck> checks{{"call", check_neuron_call, {"load"}},
-                                               {"finite", check_neuron_finite, {"call"}},
-                                               {"derivatives", check_neuron_derivatives, {"finite"}}};
+  static const std::vector<NeuronCheck> checks{
+      {"call", check_neuron_call, {"load"}},         {"arrays", check_neuron_arrays, {"call"}},
+      {"finite", check_neuron_finite, {"arrays"}},   {"derivatives", check_neuron_derivatives, {"finite"}},
+      {"batches", check_neuron_batches, {"arrays"}}, {"leaks", check_neuron_leaks, {"arrays"}}};
   return checks;
 }
 

@@ -54,7 +54,7 @@ Outcome check_compression(ReadyLaw& ready, bool has_free_parameters) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
   const bool declared = call.has(SPRINGNET_ACTS_IN_COMPRESSION);
-  std::vector<Point> points = ready.points().several(100);
+  std::vector<Point> points = ready.points().several(400);
   double largest = 0.0;
   std::vector<Point> compressed;
   for (Point& point : points) {
@@ -62,7 +62,8 @@ Outcome check_compression(ReadyLaw& ready, bool has_free_parameters) {
       ready.points().stretch(point, std::max(ready.points().lowest(), ready.points().uniform(0.4, 0.99)));
       if (!declared) point[l.rate()] = -std::abs(point[l.rate()]);
     }
-    point[l.rate()] = -std::abs(point[l.rate()]);
+    // Some become shorter ever faster: a damper may push only then.
+    point[l.rate()] = -std::abs(point[l.rate()]) * std::pow(30.0, declared ? ready.points().uniform(0.0, 1.0) : 0.0);
     for (std::size_t i = 0; i < l.states; ++i) point[l.state(i)] = call.law().states[i]->default_value;
     compressed.push_back(point);
   }

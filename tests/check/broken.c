@@ -10,6 +10,9 @@
 #ifndef RATE_SIGN
 #define RATE_SIGN 1.0
 #endif
+#ifndef LICENCE
+#define LICENCE "MIT"
+#endif
 #ifndef UNIT
 #define UNIT "N/m"
 #endif
@@ -215,7 +218,7 @@ SPRINGNET_EXPORT springnet_plugin springnet_plugin_entry = {SPRINGNET_MAGIC,
                                                             "org.example.broken",
                                                             "1.0",
                                                             "a test",
-                                                            "MIT",
+                                                            LICENCE,
                                                             components};
 
 __attribute__((constructor)) static void fill_in(void) {
