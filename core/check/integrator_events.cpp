@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <springnet/formula.hpp>
+
 #include "check/child.hpp"
 #include "check/integrator_checks.hpp"
 #include "check/trial.hpp"
@@ -78,6 +80,29 @@ std::string load(const Trial& trial, const Allowed& allowed) {
   return error <= explained ? "" : off("after a load that begins within a step", error, explained);
 }
 
+// The same by an input signal of the law, which jumps.
+std::string signal(const Trial& trial, const Allowed& allowed) {
+  constexpr double from = 0.373, duration = 1.2, force = 1.0;
+  const State start{0.2, 0.0};
+  LawFormula law;
+  law.force = "k*e - drive";
+  law.parameters = {{"k"}};
+  law.inputs = {{"drive"}};
+  Network net = pair(law_of(law, {{"k", oscillator::stiffness}}), start);
+  Input drive;
+  drive.input = "drive";
+  drive.springs = {0};
+  drive.signal.interpolation = Signal::Interpolation::hold;
+  drive.signal.times = {0.0, from};
+  drive.signal.values = {0.0, force};
+  net.add_input(drive);
+  Simulation simulation = trial.run(net, step);
+  simulation.advance_to(duration);
+  const double error = distance(state_of(simulation), oscillator::forced(start.after(from), duration - from, force));
+  const double explained = allowed.by(2.0 * force / oscillator::mass * step * duration);
+  return error <= explained ? "" : off("after an input signal that jumps within a step", error, explained);
+}
+
 std::string cut(const Trial& trial, const Allowed& allowed) {
   constexpr double at = 0.373, duration = 1.2;
   const State start{0.2, 0.0};
@@ -143,8 +168,9 @@ Outcome check_integrator_events(const Component& component, const PluginHost& ho
   const Allowed allowed = allowed_by(trial);
   const auto first_wrong = [&]() -> std::string {
     for (const auto& [doing, each] :
-         {std::pair("a load within a step", &load), std::pair("a cut within a step", &cut),
-          std::pair("a rupture within a step", &rupture), std::pair("a motion that begins within a step", &motion)}) {
+         {std::pair("a load within a step", &load), std::pair("an input signal that jumps within a step", &signal),
+          std::pair("a cut within a step", &cut), std::pair("a rupture within a step", &rupture),
+          std::pair("a motion that begins within a step", &motion)}) {
       now_doing(doing);
       if (std::string wrong = each(trial, allowed); !wrong.empty()) return wrong;
     }
