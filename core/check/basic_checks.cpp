@@ -1,4 +1,4 @@
-// call, arrays, finite, rest: whether a law can be called at all, and what it answers.
+// call, arrays, rest: whether a law can be called at all, and whether it is at rest where it says so.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,49 +11,6 @@
 namespace springnet::check {
 namespace {
 
-constexpr double small_length = 1e-6;  // m: elements of cells, rather than of buildings
-
-// "force" and so on if a value of element `i` is not finite.
-std::string not_finite(const LawCall& call, const Answer& answer, std::size_t i) {
-  for (std::size_t row = 0; row < answer.rows.size(); ++row)
-    if (!answer.rows[row].empty() && !std::isfinite(answer.rows[row][i]))
-      return fmt::format("the {} is {}", call.row_name(row), answer.rows[row][i]);
-  return {};
-}
-
-// Along the stretches of the domain: a law of bounded extension may end within what is checked if it declares no bound.
-struct Along {
-  std::string inside;  // what is not finite, in a place surrounded by others that are
-  double ends = 0.0;   // stretch from which on nothing is finite; 0: none
-};
-Along along_stretches(const LawCall& call, const Points& points, const Point& from) {
-  constexpr int parts = 60;
-  std::vector<Point> line;
-  std::vector<double> stretches;
-  const double low = points.lowest(), high = points.highest();
-  for (int k = 0; k <= parts; ++k) {
-    // Never beyond the bound by rounding.
-    const double stretch = std::min(low + (high - low) * k / parts, high);
-    line.push_back(from);
-    points.stretch(line.back(), stretch);
-    if (stretch == high && high < 2.0) line.back()[0] = std::nextafter(line.back()[0], 0.0);
-    stretches.push_back(stretch);
-  }
-  const Answer answer = call(line);
-  if (answer.status != SPRINGNET_OK) return {"it fails: " + answer.message, 0.0};
-  std::size_t last = line.size();
-  while (last > 0 && !not_finite(call, answer, last - 1).empty()) --last;
-  for (std::size_t k = 0; k < last; ++k)
-    if (const std::string what = not_finite(call, answer, k); !what.empty())
-      return {fmt::format("{} {}", what, place(call, line[k])), 0.0};
-  if (last == line.size()) return {};
-  // A finite bound is a promise; beyond rest all may end only where none is declared.
-  const bool declared = call.law().largest_stretch <= 2.0;
-  if (declared || stretches[last] < 1.05)
-    return {fmt::format("{} {}", not_finite(call, answer, last), place(call, line[last])), 0.0};
-  return {{}, stretches[last]};
-}
-
 // On the coordinates of an element's nodes, up to the sign.
 std::vector<double> nodal_forces(const LawCall& call, const std::vector<double>& rows, const Corners& corners) {
   const std::vector<std::vector<double>> gradients = gradients_of(call.law(), corners);
@@ -61,43 +18,6 @@ std::vector<double> nodal_forces(const LawCall& call, const std::vector<double>&
   for (std::size_t i = 0; i < call.layout().invariants; ++i)
     for (std::size_t k = 0; call.reads_value(i) && k < forces.size(); ++k) forces[k] += rows[i] * gradients[i][k];
   return forces;
-}
-
-Outcome finite_domain(ReadyLaw& ready, std::string& ends) {
-  const LawCall& call = ready.call();
-  Points& points = ready.points();
-  const auto fail = [](const std::string& what) {
-    return Outcome{Result::failed,
-                   what + ": declare the stretches and bounds for which the formula holds, or correct it"};
-  };
-  std::vector<Point> all = points.several(200);
-  const Point rest = points.at_rest();
-  all.push_back(rest);
-  all.push_back(points.at_rest(small_length));
-  for (const Point& edge : points.edges(rest)) all.push_back(edge);
-  // Elements that move, at each edge of the parameters.
-  for (const Point& edge : points.edges(points.any())) all.push_back(edge);
-  const Answer answer = call(all);
-  if (answer.status != SPRINGNET_OK) return fail("it fails within its domain: " + answer.message);
-  // Where a law ends without a declared bound is found along the stretches.
-  const bool bounded = call.several() || call.law().largest_stretch <= 2.0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const double stretch = all[i][call.layout().value()] / all[i][call.layout().reference()];
-    if (!bounded && stretch > 1.0) continue;
-    if (const std::string what = not_finite(call, answer, i); !what.empty())
-      return fail(fmt::format("{} {}", what, place(call, all[i])));
-  }
-  if (call.several() || call.law().invariant == SPRINGNET_RELATIVE_SPEED) return {};
-  std::vector<Point> lines{rest, points.at_rest(small_length)};
-  for (const Point& edge : points.edges(rest)) lines.push_back(edge);
-  for (int k = 0; k < 10; ++k) lines.push_back(points.any());
-  for (const Point& from : lines) {
-    const Along along = along_stretches(call, points, from);
-    if (!along.inside.empty()) return fail(along.inside);
-    if (along.ends > 0.0)
-      ends = fmt::format("not finite from a stretch of {:.3g} on {}", along.ends, place(call, from));
-  }
-  return {};
 }
 
 }  // namespace
@@ -152,40 +72,6 @@ Outcome check_arrays(const LawSubject& subject) {
   return {};
 }
 
-Outcome check_finite(const LawSubject& subject) {
-  ReadyLaw ready(subject);
-  const LawCall& call = ready.call();
-  const springnet_law& law = call.law();
-  std::string ends;
-  const Outcome outcome = finite_domain(ready, ends);
-  if (outcome.result != Result::passed) return outcome;
-  const bool one = !call.several() && law.invariant != SPRINGNET_RELATIVE_SPEED;
-  if (one && !call.has(SPRINGNET_DIVIDES_BY_REFERENCE) && law.smallest_stretch <= 0.0 && law.largest_stretch > 1e300) {
-    Point point = ready.points().at_rest();
-    point[call.layout().reference()] = 0.0;
-    const Answer answer = call({point});
-    const std::string what = answer.status == SPRINGNET_OK ? not_finite(call, answer, 0) : "it fails";
-    if (!what.empty())
-      return {Result::failed, fmt::format("{} with a reference of 0: declare SPRINGNET_DIVIDES_BY_REFERENCE", what)};
-  }
-  // A finite force beyond the bound lets a step across it go unnoticed.
-  if (one && law.largest_stretch < 1e300) {
-    Point point = ready.points().at_rest();
-    point[call.layout().value()] = 1.1 * law.largest_stretch * point[call.layout().reference()];
-    const Answer answer = call({point});
-    if (answer.status == SPRINGNET_OK && std::isfinite(answer.rows[0][0]))
-      return {
-          Result::warned,
-          fmt::format("the force is {:.4g} at 1.1 times the largest stretch, {:g}: return NaN there, so that a step "
-                      "across the limit is noticed",
-                      answer.rows[0][0], law.largest_stretch)};
-    return {Result::passed, fmt::format("beyond the largest stretch, {:g}, it answers nan", law.largest_stretch)};
-  }
-  if (!ends.empty())
-    return {Result::warned, ends + ": declare largest_stretch unless the limit follows from parameters"};
-  return {};
-}
-
 Outcome check_rest(const LawSubject& subject) {
   ReadyLaw ready(subject);
   const LawCall& call = ready.call();
@@ -193,7 +79,7 @@ Outcome check_rest(const LawSubject& subject) {
   if (call.has(SPRINGNET_NOT_ZERO_AT_REST)) return {Result::passed, "declares a force at rest"};
   // Rounding of the formula, in units of the force at a tenth of strain.
   constexpr double tolerance = 1e-9;
-  for (const double size : {1.0, 0.37, small_length}) {
+  for (std::size_t size = 0; size < Points::sizes; ++size) {
     Placed placed;
     const Point rest = ready.points().at_rest(size, &placed);
     if (!call.several() && rest[l.value()] != rest[l.reference()] && call.law().invariant != SPRINGNET_RELATIVE_SPEED)

@@ -8,26 +8,11 @@
 #include <fmt/format.h>
 
 #include "check/child.hpp"
+#include "check/instruction_sets.hpp"
 #include "check/law_checks.hpp"
 
 namespace springnet::check {
 namespace {
-
-struct Set {
-  std::uint32_t number;
-  const char* name;
-};
-// Those of this processor.
-std::vector<Set> instruction_sets() {
-  std::vector<Set> sets{{SPRINGNET_GENERIC, "generic"}};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) sets.push_back({SPRINGNET_AVX2, "avx2"});
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd"))
-    sets.push_back({SPRINGNET_AVX512, "avx512"});
-#endif
-  return sets;
-}
 
 // Empty if parts of `size` elements give the bits of the whole.
 std::string compare_parts(const LawCall& call, const std::vector<Point>& points, const Answer& whole, std::size_t size,
@@ -46,7 +31,7 @@ std::string check_calls(const LawCall& call, const std::vector<Point>& points, H
   const Answer whole = call(points, how);
   if (whole.status == SPRINGNET_FAILED) return fmt::format("{} fails: {}", what, whole.message);
   if (whole.status != SPRINGNET_OK) return {};
-  for (const Set& set : instruction_sets()) {
+  for (const InstructionSetName& set : instruction_sets()) {
     for (const std::size_t size : {points.size(), std::size_t{1}, std::size_t{5}, std::size_t{8}, std::size_t{33}}) {
       for (const std::size_t offset : {0u, 1u, 3u}) {
         for (const bool share : {false, true}) {
@@ -104,7 +89,7 @@ double cost(const LawSubject& subject) {
   ReadyLaw ready(subject);
   const LawCall& call = ready.call();
   const std::vector<Point> points(count, ready.points().any());
-  const Set best = instruction_sets().back();
+  const InstructionSetName best = instruction_sets().back();
   double fastest = 1e300;
   for (int k = 0; k < 5; ++k)
     fastest = std::min(fastest, call.time_of(points, {.instruction_set = best.number, .share = true}, 2000));
@@ -150,7 +135,7 @@ Outcome check_speed(const LawSubject& subject) {
   if (linear == nullptr) return {Result::passed, fmt::format("{:.2g} ns an element", own)};
   LawSubject other = subject;
   other.component = linear;
-  other.use = nullptr;
+  other.scene = nullptr;
   const double reference = cost(other);
   return {Result::passed, fmt::format("{:.2g} ns an element, {:.1f} times `linear`", own, own / reference)};
 }

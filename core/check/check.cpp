@@ -36,6 +36,7 @@ const std::vector<LawCheck>& law_checks() {
       {"states", check_states, {"finite", "batches"}},
       {"promises", check_promises, {"finite"}},
       {"order", check_order, {"finite", "derivatives", "batches", "states"}},
+      {"leaks", check_leaks, {"arrays"}},
       {"speed", check_speed, {"arrays"}},
   };
   return checks;
@@ -47,9 +48,10 @@ struct NeuronCheck {
   std::vector<std::string_view> needs;
 };
 const std::vector<NeuronCheck>& neuron_checks() {
-  static const std::vector<NeuronCheck> checks{{"call", check_neuron_call, {"load"}},
-                                               {"finite", check_neuron_finite, {"call"}},
-                                               {"derivatives", check_neuron_derivatives, {"finite"}}};
+  static const std::vector<NeuronCheck> checks{
+      {"call", check_neuron_call, {"load"}},         {"arrays", check_neuron_arrays, {"call"}},
+      {"finite", check_neuron_finite, {"arrays"}},   {"derivatives", check_neuron_derivatives, {"finite"}},
+      {"batches", check_neuron_batches, {"arrays"}}, {"leaks", check_neuron_leaks, {"arrays"}}};
   return checks;
 }
 
@@ -59,9 +61,13 @@ struct IntegratorCheck {
   std::vector<std::string_view> needs;
 };
 const std::vector<IntegratorCheck>& integrator_checks() {
-  static const std::vector<IntegratorCheck> checks{{"call", check_integrator_call, {"load"}},
-                                                   {"order", check_integrator_order, {"call"}},
-                                                   {"momentum", check_integrator_momentum, {"call"}}};
+  static const std::vector<IntegratorCheck> checks{
+      {"call", check_integrator_call, {"load"}},         {"order", check_integrator_order, {"call"}},
+      {"momentum", check_integrator_momentum, {"call"}}, {"states", check_integrator_states, {"order"}},
+      {"events", check_integrator_events, {"order"}},    {"contact", check_integrator_contact, {"order"}},
+      {"rigid", check_integrator_rigid, {"order"}},      {"refusals", check_integrator_refusals, {"call"}},
+      {"options", check_integrator_options, {"call"}},   {"repeats", check_integrator_repeats, {"call"}},
+      {"memory", check_integrator_memory, {"repeats"}},  {"leaks", check_integrator_leaks, {"call"}}};
   return checks;
 }
 
@@ -94,7 +100,8 @@ class Judge {
   std::set<std::string_view> bad_;  // failed or skipped
 };
 
-void check_one(const std::shared_ptr<const Component>& component, const LawUse* use, const Options& options,
+// scene: of a law that a scene uses; null: none.
+void check_one(const std::shared_ptr<const Component>& component, const SceneLaw* scene, const Options& options,
                Report& report) {
   Judge judge(*component, options, report);
   if (judge.wanted("load")) judge.note("load", check_texts(*component));
@@ -108,7 +115,7 @@ void check_one(const std::shared_ptr<const Component>& component, const LawUse* 
         judge.run(check.name, check.needs, "the integrator", [&] { return check.run(*component, *options.host); });
       break;
     default: {
-      const LawSubject subject{component, options.host, use, options.seed};
+      const LawSubject subject{component, options.host, scene, options.seed};
       for (const LawCheck& check : law_checks())
         judge.run(check.name, check.needs, "the law", [&] { return check.run(subject); });
     }
@@ -143,7 +150,8 @@ const std::vector<std::string_view>& check_names() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{"load"};
     for (const LawCheck& check : law_checks()) all.push_back(check.name);
-    all.push_back("momentum");
+    for (const IntegratorCheck& check : integrator_checks())
+      if (std::find(all.begin(), all.end(), check.name) == all.end()) all.push_back(check.name);
     return all;
   }();
   return names;
@@ -180,16 +188,10 @@ Report check_file(const std::filesystem::path& file, const Options& options) {
 
 Report check_laws_of(const Network& network, const Options& options) {
   Report report{options.seed, true, {}};
-  std::vector<std::pair<ComponentKind, LawUse>> seen;
-  const auto check = [&](const std::optional<LawUse>& use, ComponentKind kind) {
-    if (!use || std::find(seen.begin(), seen.end(), std::pair(kind, *use)) != seen.end()) return;
-    seen.emplace_back(kind, *use);
-    check_one(use->component != nullptr ? use->component : options.host->require(kind, use->id), &*use, options,
+  for (const SceneLaw& law : laws_of(network, *options.host)) {
+    const LawUse& use = law.use;
+    check_one(use.component != nullptr ? use.component : options.host->require(law.kind, use.id), &law, options,
               report);
-  };
-  for (const Material& material : network.materials()) {
-    check(material.spring, ComponentKind::spring_function);
-    check(material.viscosity, ComponentKind::viscosity_function);
   }
   return report;
 }

@@ -7,33 +7,43 @@
 
 #include "check/differences.hpp"
 #include "check/law_checks.hpp"
+#include "check/quadrature.hpp"
 
 namespace springnet::check {
 namespace {
 
+// Answers along one column. A column that all elements share, the time, takes a call for each.
+Answer answers_along(const LawCall& call, const Point& point, std::size_t column, const std::vector<double>& xs,
+                     const How& how) {
+  std::vector<Point> points(xs.size(), point);
+  for (std::size_t k = 0; k < xs.size(); ++k) points[k][column] = xs[k];
+  if (column != call.layout().time()) return call(points, how);
+  Answer all;
+  const auto append = [](std::vector<std::vector<double>>& to, const std::vector<std::vector<double>>& from) {
+    to.resize(from.size());
+    for (std::size_t k = 0; k < from.size(); ++k) to[k].insert(to[k].end(), from[k].begin(), from[k].end());
+  };
+  for (const Point& each : points) {
+    const Answer one = call({each}, how);
+    if (one.status != SPRINGNET_OK) return one;
+    append(all.rows, one.rows);
+    append(all.matrix, one.matrix);
+    append(all.named, one.named);
+  }
+  return all;
+}
+
 // A law's rows as functions of one column.
-Functions along(const LawCall& call, const Point& point, std::size_t column, const How& how) {
-  return [&call, point, column, how](const std::vector<double>& xs) {
-    std::vector<Point> points(xs.size(), point);
-    for (std::size_t k = 0; k < xs.size(); ++k) points[k][column] = xs[k];
-    // A column that all elements share: the time.
-    if (column == call.layout().time()) {
-      std::vector<std::vector<double>> rows(call.layout().rows());
-      for (const Point& each : points) {
-        const Answer answer = call({each}, how);
-        for (std::size_t row = 0; row < rows.size() && row < answer.rows.size(); ++row)
-          if (!answer.rows[row].empty()) rows[row].push_back(answer.rows[row][0]);
-      }
-      return rows;
-    }
-    Answer answer = call(points, how);
+Functions along(const LawCall& call, const Point& point, std::size_t column) {
+  return [&call, point, column](const std::vector<double>& xs) {
+    Answer answer = answers_along(call, point, column, xs, {});
     if (answer.status != SPRINGNET_OK) answer.rows.assign(call.layout().rows(), {});
     return answer.rows;
   };
 }
 
-// The first step of differences: a tenth of the value's size, no further than half of the way to the bounds.
-double first_step(const ReadyLaw& ready, const Points& points, const Point& point, std::size_t column) {
+// How far from a value a law is called: a tenth of its size, no further than half of the way to the bounds.
+double reach(const ReadyLaw& ready, const Points& points, const Point& point, std::size_t column) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
   double step = 0.1 * points.magnitude(column, point);
@@ -65,6 +75,22 @@ struct Count {
   std::size_t compared = 0, undecided = 0;
 };
 
+// A derivative that the law gives: in `derivatives`, or by its name.
+struct Claim {
+  std::size_t row, cell;
+  bool in_matrix;
+};
+
+std::vector<Claim> claims_by(const LawCall& call, const Answer& answer, std::size_t column, bool of_update) {
+  std::vector<Claim> claims;
+  for (std::size_t row = 0; row < call.layout().rows(); ++row) {
+    const std::size_t cell = call.cell(row, column, of_update);
+    if (!answer.named.empty() && !answer.named[cell].empty()) claims.push_back({row, cell, false});
+    if (!answer.matrix.empty() && !answer.matrix[cell].empty()) claims.push_back({row, cell, true});
+  }
+  return claims;
+}
+
 std::string wrong_derivative(ReadyLaw& ready, const Point& point, const How& how, Count& count) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
@@ -75,34 +101,39 @@ std::string wrong_derivative(ReadyLaw& ready, const Point& point, const How& how
   if (answer.status == SPRINGNET_RECOVERABLE) return {};
   if (answer.status != SPRINGNET_OK) return "it fails: " + answer.message;
   for (std::size_t column = 0; column < l.columns(of_update); ++column) {
-    std::vector<Slope> found;
-    for (std::size_t row = 0; row < l.rows(); ++row) {
-      const std::size_t cell = call.cell(row, column, of_update);
-      for (const auto* claims : {&answer.named, &answer.matrix}) {
-        if (claims->empty() || (*claims)[cell].empty()) continue;
-        const double claimed = (*claims)[cell][0];
-        if (!call.reads(column, of_update)) {
-          if (claimed != 0.0 && !(of_update && column >= l.start_value()))
-            return fmt::format("the derivative of the {} by {} is {:.9g}, which the law does not read: write 0",
-                               call.row_name(row), call.column_name(column), claimed);
-          continue;
-        }
-        if (!is_number(call, column)) continue;
-        if (found.empty()) {
-          const double step = first_step(ready, ready.points(), point, column);
-          if (!(step > 0.0)) break;
-          found = slopes(along(call, point, column, how), point[column], step);
-        }
-        const Verdict verdict = compare(claimed, found[row]);
-        ++(verdict == Verdict::undecided ? count.undecided : count.compared);
-        if (verdict != Verdict::differs) continue;
-        const double step = first_step(ready, ready.points(), point, column);
-        if (!differs_for_all_steps(claimed, along(call, point, column, how), row, point[column], step)) continue;
-        const char* const source = claims == &answer.matrix ? " in `derivatives`" : "";
-        return fmt::format("the derivative of the {} by {}{}{} is {:.9g}, differences give {:.9g} (within {:.1e}) {}",
-                           call.row_name(row), call.column_name(column), source, of_update ? " over a step" : "",
-                           claimed, found[row].value, found[row].error, place(call, point));
-      }
+    const std::vector<Claim> claims = claims_by(call, answer, column, of_update);
+    const auto values_of = [](const Answer& from, const Claim& claim) -> const std::vector<double>& {
+      return claim.in_matrix ? from.matrix[claim.cell] : from.named[claim.cell];
+    };
+    if (!call.reads(column, of_update)) {
+      for (const Claim& claim : claims)
+        if (const double claimed = values_of(answer, claim)[0];
+            claimed != 0.0 && !(of_update && column >= l.start_value()))
+          return fmt::format("the derivative of the {} by {} is {:.9g}, which the law does not read: write 0",
+                             call.row_name(claim.row), call.column_name(column), claimed);
+      continue;
+    }
+    const double step = 0.5 * reach(ready, ready.points(), point, column);
+    if (claims.empty() || !is_number(call, column) || !(step > 0.0)) continue;
+    const Pairs pairs = [&](const std::vector<double>& xs) {
+      const Answer all = answers_along(call, point, column, xs, with);
+      std::vector<Pair> result(claims.size());
+      if (all.status == SPRINGNET_OK)
+        for (std::size_t k = 0; k < claims.size(); ++k)
+          result[k] = {all.rows[claims[k].row], values_of(all, claims[k])};
+      return result;
+    };
+    const double from = point[column] - step, to = point[column] + step;
+    const std::vector<Comparison> found = compare_over(pairs, from, to);
+    for (std::size_t k = 0; k < claims.size(); ++k) {
+      ++(found[k].verdict == Verdict::undecided ? count.undecided : count.compared);
+      if (found[k].verdict != Verdict::differs) continue;
+      return fmt::format(
+          "the derivative of the {0} by {1}{2}{3} is {4:.9g} on average from {5:.6g} to {6:.6g}, where the {0} changes "
+          "by {7:.9g} in {8:.6g}: {9:.3g} is missing (within {10:.1e}) {11}",
+          call.row_name(claims[k].row), call.column_name(column), claims[k].in_matrix ? " in `derivatives`" : "",
+          of_update ? " over a step" : "", found[k].integral / (to - from), from, to, found[k].change, to - from,
+          (found[k].change - found[k].integral) / (to - from), found[k].error / (to - from), place(call, point));
     }
   }
   return {};
@@ -119,22 +150,27 @@ Outcome check_energy(const LawSubject& subject) {
   for (Point point : ready.points().several(60)) {
     // At rest in time: what the rate adds has no potential.
     for (std::size_t i = 0; i < l.invariants; ++i) point[l.rate(i)] = 0.0;
-    const std::vector<double> rows = call.rows_at(point);
     for (std::size_t i = 0; i < l.invariants; ++i) {
       if (!call.reads_value(i)) continue;
-      const double step = first_step(ready, ready.points(), point, l.value(i));
-      const Slope slope = slopes(along(call, point, l.value(i), {}), point[l.value(i)], step)[l.energy()];
-      const Verdict verdict = compare(rows[i], slope);
-      ++(verdict == Verdict::undecided ? count.undecided : count.compared);
-      if (verdict == Verdict::differs &&
-          differs_for_all_steps(rows[i], along(call, point, l.value(i), {}), l.energy(), point[l.value(i)], step))
-        return {Result::failed,
-                fmt::format("the {} is {:.9g}, the energy's derivative {:.9g} (within {:.1e}) {}: correct "
-                            "one of the two",
-                            call.row_name(i), rows[i], slope.value, slope.error, place(call, point))};
+      const double step = 0.5 * reach(ready, ready.points(), point, l.value(i));
+      const Pairs pairs = [&](const std::vector<double>& xs) {
+        const Answer all = answers_along(call, point, l.value(i), xs, {});
+        if (all.status != SPRINGNET_OK) return std::vector<Pair>(1);
+        return std::vector<Pair>{{all.rows[l.energy()], all.rows[i]}};
+      };
+      const double from = point[l.value(i)] - step, to = point[l.value(i)] + step;
+      const Comparison found = compare_over(pairs, from, to).front();
+      ++(found.verdict == Verdict::undecided ? count.undecided : count.compared);
+      if (found.verdict == Verdict::differs)
+        return {
+            Result::failed,
+            fmt::format("the work of the {} from {} = {:.6g} to {:.6g} is {:.9g}, but the energy changes by {:.9g}: "
+                        "{:.3g} is missing (within {:.1e}) {}: correct one of the two",
+                        call.row_name(i), call.column_name(l.value(i)), from, to, found.integral, found.change,
+                        found.change - found.integral, found.error, place(call, point))};
     }
   }
-  if (count.compared == 0) return {Result::warned, "differences of the energy are too inaccurate to compare with"};
+  if (count.compared == 0) return {Result::warned, "the energy is nowhere smooth enough to compare with"};
   return {Result::passed, fmt::format("{} comparisons", count.compared)};
 }
 
@@ -152,12 +188,27 @@ Outcome check_derivatives(const LawSubject& subject) {
       wrong = wrong_derivative(ready, point, {.time_step = 0.01, .order = order}, count);
     if (!wrong.empty()) return {Result::failed, wrong};
   }
-  if (count.compared == 0) return {Result::warned, "differences of the law are too inaccurate to compare with"};
+  if (count.compared == 0) return {Result::warned, "the law is nowhere smooth enough to compare with"};
   return {Result::passed,
           fmt::format("{} comparisons, {} undecided (kinks, rounding)", count.compared, count.undecided)};
 }
 
-// (Q - dE/dq) q' - dE/dz z' must not be negative; without an energy what the rate adds, (Q(q') - Q(0)) q'.
+// dE/dz of an energy: as declared, which `derivatives` tests, or by differences. error: what it may be off by.
+double energy_by_state(ReadyLaw& ready, const Point& point, std::size_t i, double& error) {
+  const LawCall& call = ready.call();
+  const sdk::JacobianLayout& l = call.layout();
+  const Answer answer = call({point}, {.derivatives = true});
+  for (const Claim& claim :
+       answer.status == SPRINGNET_OK ? claims_by(call, answer, l.state(i), false) : std::vector<Claim>{})
+    if (claim.row == l.energy()) return (claim.in_matrix ? answer.matrix : answer.named)[claim.cell][0];
+  const Slope slope = slopes(along(call, point, l.state(i)), point[l.state(i)],
+                             reach(ready, ready.points(), point, l.state(i)))[l.energy()];
+  error = slope.error;
+  return slope.value;
+}
+
+// (Q - dE/dq) q' - dE/dz z' must not be negative. dE/dq is the force without a rate, which `energy` tests; without an
+// energy what the rate adds, (Q(q') - Q(0)) q', must not be.
 Outcome check_dissipation(const LawSubject& subject) {
   ReadyLaw ready(subject);
   const LawCall& call = ready.call();
@@ -180,36 +231,22 @@ Outcome check_dissipation(const LawSubject& subject) {
     Point still = point;
     for (std::size_t i = 0; i < l.invariants; ++i) still[l.rate(i)] = 0.0;
     const std::vector<double> held = call.rows_at(still);
-    double power = 0.0, scale = 0.0;
-    const auto add = [&](double term, double parts) {
-      power += term;
-      scale += std::abs(parts);
-    };
-    const auto energy_by = [&](std::size_t column) {
-      return slopes(along(call, point, column, {}), point[column],
-                    first_step(ready, ready.points(), point, column))[l.energy()];
-    };
+    double power = 0.0, uncertain = 0.0;
+    constexpr double rounding = 1e-12;  // of terms that cancel
     for (std::size_t i = 0; i < l.invariants; ++i) {
       if (!call.reads_value(i)) continue;
       const double rate = point[l.rate(i)];
-      if (has_energy) {
-        const Slope slope = energy_by(l.value(i));
-        add((rows[i] - slope.value) * rate, (std::abs(rows[i]) + std::abs(slope.value)) * rate);
-        scale += 1e6 * slope.error * std::abs(rate);
-      } else if (call.is_viscosity()) {
-        add(rows[i] * rate, rows[i] * rate);
-      } else {
-        add((rows[i] - held[i]) * rate, (std::abs(rows[i]) + std::abs(held[i])) * rate);
-      }
+      const double stored = has_energy || !call.is_viscosity() ? held[i] : 0.0;
+      power += (rows[i] - stored) * rate;
+      uncertain += rounding * (std::abs(rows[i]) + std::abs(stored)) * std::abs(rate);
     }
     for (std::size_t i = 0; i < l.states; ++i) {
-      const Slope slope = energy_by(l.state(i));
-      const double rate = rows[l.state_row(i)];
-      add(-slope.value * rate, slope.value * rate);
-      scale += 1e6 * slope.error * std::abs(rate);
+      double error = 0.0;
+      const double by_state = energy_by_state(ready, point, i, error), rate = rows[l.state_row(i)];
+      power -= by_state * rate;
+      uncertain += (rounding * std::abs(by_state) + 30.0 * error) * std::abs(rate);
     }
-    constexpr double rounding = 1e-6;  // of terms that cancel, and of the differences
-    if (power < -rounding * scale)
+    if (power < -uncertain)
       return {wrong, fmt::format("it adds the power {:.6g} {}: correct a sign, or declare SPRINGNET_ADDS_POWER", -power,
                                  place(call, point))};
   }

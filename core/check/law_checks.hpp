@@ -17,7 +17,7 @@ namespace springnet::check {
 struct LawSubject {
   std::shared_ptr<const Component> component;
   std::shared_ptr<const PluginHost> host;  // of integrators, and of the law `linear`
-  const LawUse* use = nullptr;             // in a scene; null: none
+  const SceneLaw* scene = nullptr;         // as it is used in a scene; null: none
   std::uint64_t seed = 1;
 };
 
@@ -32,6 +32,7 @@ struct LawSubject {
 [[nodiscard]] Outcome check_states(const LawSubject& subject);
 [[nodiscard]] Outcome check_promises(const LawSubject& subject);
 [[nodiscard]] Outcome check_order(const LawSubject& subject);
+[[nodiscard]] Outcome check_leaks(const LawSubject& subject);
 [[nodiscard]] Outcome check_speed(const LawSubject& subject);
 
 // A law ready to be called: tables prepared, typical parameters known. Throws std::runtime_error if the law needs
@@ -45,7 +46,6 @@ class ReadyLaw {
   [[nodiscard]] const TableValues& tables() const noexcept { return tables_; }
 
  private:
-  bool from_scene_;
   std::vector<double> parameters_;
   TableValues tables_;
   std::unique_ptr<PreparedTable> prepared_;

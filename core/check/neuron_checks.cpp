@@ -1,106 +1,37 @@
 #include "check/neuron_checks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
-#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "check/child.hpp"
-#include "check/differences.hpp"
-#include "check/points.hpp"
+#include "check/heap.hpp"
+#include "check/instruction_sets.hpp"
+#include "check/law_call.hpp"
+#include "check/neuron_call.hpp"
+#include "check/quadrature.hpp"
 
 namespace springnet::check {
 namespace {
 
-// What a neuron reads of one node: force, position, velocity (3 each), mass, time, parameters.
-enum : std::size_t { force = 0, position = 3, velocity = 6, mass = 9, time_column = 10, parameter = 11 };
+using namespace node_inputs;
 
-struct NeuronAnswer {
-  std::array<double, 3> acceleration{};
-  std::vector<std::array<double, 3>> by;  // [column], where derivatives are wanted
-};
-
-bool has(const Component& component, std::uint64_t capability) {
-  return (component.description->capabilities & capability) != 0;
+std::vector<NodeInputs> any_nodes(const Component& component, std::mt19937_64& random, std::size_t count) {
+  std::vector<NodeInputs> nodes;
+  for (std::size_t k = 0; k < count; ++k) nodes.push_back(any_node(component, random));
+  for (NodeInputs& node : nodes) node[node_inputs::time] = nodes[0][node_inputs::time];
+  return nodes;
 }
 
-NeuronAnswer answer_of(const Component& component, const std::vector<double>& at, bool derivatives) {
-  const std::size_t P = component.description->parameter_count;
-  std::vector<const double*> parameters;
-  for (std::size_t j = 0; j < P; ++j) parameters.push_back(&at[parameter + j]);
-  parameters.push_back(nullptr);
-  const std::vector<std::uint32_t> strides(P + 1, 0);
-  springnet_message message{};
-  springnet_neuron_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = 1;
-  batch.time = at[time_column];
-  batch.force = {&at[force], &at[force + 1], &at[force + 2]};
-  batch.position = {&at[position], &at[position + 1], &at[position + 2]};
-  batch.velocity = {&at[velocity], &at[velocity + 1], &at[velocity + 2]};
-  batch.mass = &at[mass];
-  batch.parameters = parameters.data();
-  batch.parameter_strides = strides.data();
-  batch.message = &message;
-  NeuronAnswer answer;
-  batch.acceleration = {&answer.acceleration[0], &answer.acceleration[1], &answer.acceleration[2]};
-  std::array<std::array<double, 9>, 3> blocks{};  // [axis of the acceleration][axis of the vector]
-  std::array<double, 3> by_mass{}, by_time{};
-  std::vector<std::array<double, 3>> by_parameters(P);
-  std::vector<double*> lists;
-  for (auto& each : by_parameters) lists.push_back(each.data());
-  lists.push_back(nullptr);
-  const bool first = derivatives && has(component, SPRINGNET_HAS_DERIVATIVES);
-  const bool more = derivatives && has(component, SPRINGNET_HAS_PARAMETER_DERIVATIVES);
-  if (first) {
-    batch.acceleration_by_force = blocks[0].data();
-    batch.acceleration_by_position = blocks[1].data();
-    batch.acceleration_by_velocity = blocks[2].data();
-  }
-  if (more) {
-    batch.acceleration_by_mass = by_mass.data();
-    batch.acceleration_by_time = by_time.data();
-    batch.acceleration_by_parameters = lists.data();
-  }
-  const springnet_status status = component.neuron().evaluate(component.neuron().context, &batch);
-  if (status != SPRINGNET_OK) throw std::runtime_error(fmt::format("it fails with the status {}", status));
-  if (first)
-    for (const auto& block : blocks)
-      for (std::size_t j = 0; j < 3; ++j) answer.by.push_back({block[j], block[3 + j], block[6 + j]});
-  if (first && more) {
-    answer.by.push_back(by_mass);
-    answer.by.push_back(by_time);
-    answer.by.insert(answer.by.end(), by_parameters.begin(), by_parameters.end());
-  }
-  return answer;
-}
-
-std::vector<double> any_node(const Component& component, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  std::vector<double> at;
-  for (std::size_t k = force; k < mass; ++k) at.push_back(unit(random));
-  at.push_back(std::pow(3.0, unit(random)));
-  at.push_back(1.0 + unit(random));
-  const std::vector<double> typical = typical_parameters(*component.description);
-  for (std::size_t j = 0; j < typical.size(); ++j) {
-    const springnet_parameter& p = *component.description->parameters[j];
-    const double value = typical[j] * std::pow(3.0, unit(random));
-    at.push_back(p.type == SPRINGNET_NUMBER ? std::clamp(value, p.smallest, p.largest) : typical[j]);
-  }
-  return at;
-}
-
-std::string column_name(const Component& component, std::size_t column) {
-  if (column < position) return "the force";
-  if (column < velocity) return "the position";
-  if (column < mass) return "the velocity";
-  if (column == mass) return "the mass";
-  if (column == time_column) return "the time";
-  return fmt::format("parameter '{}'", component.description->parameters[column - parameter]->name);
+// Whether nodes first ... of a whole have the bits of a part.
+bool same_part(const std::vector<double>& whole, const std::vector<double>& part, std::size_t first) {
+  for (std::size_t k = 0; k < part.size(); ++k)
+    if (!same_bits(whole[3 * first + k], part[k])) return false;
+  return true;
 }
 
 }  // namespace
@@ -108,18 +39,35 @@ std::string column_name(const Component& component, std::size_t column) {
 Outcome check_neuron_call(const Component& component, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   now_doing("evaluating one node");
-  static_cast<void>(answer_of(component, any_node(component, random), false));
+  static_cast<void>(call_neuron(component, {any_node(component, random)}));
   now_doing("evaluating the derivatives of one node");
-  static_cast<void>(answer_of(component, any_node(component, random), true));
+  static_cast<void>(call_neuron(component, {any_node(component, random)}, {.derivatives = true}));
+  return {};
+}
+
+Outcome check_neuron_arrays(const Component& component, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  for (const Memory::Layout layout : {Memory::Layout::at_end, Memory::Layout::at_start})
+    for (const std::size_t count : {1u, 3u, 8u, 19u})
+      for (const bool share : {false, true}) {
+        std::vector<NodeInputs> nodes = any_nodes(component, random, count);
+        if (share)
+          for (NodeInputs& node : nodes)
+            std::copy(nodes[0].begin() + parameter, nodes[0].end(), node.begin() + parameter);
+        now_doing(fmt::format("evaluating {} nodes", count).c_str());
+        for (const bool derivatives : {true, false})
+          static_cast<void>(
+              call_neuron(component, nodes, {.derivatives = derivatives, .share = share, .layout = layout}));
+      }
   return {};
 }
 
 Outcome check_neuron_finite(const Component& component, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   for (int k = 0; k < 200; ++k) {
-    std::vector<double> at = any_node(component, random);
+    NodeInputs at = any_node(component, random);
     if (k % 4 == 0) std::fill_n(at.begin() + velocity, 3, 0.0);  // a node at rest
-    for (const double a : answer_of(component, at, false).acceleration)
+    for (const double a : call_neuron(component, {at}).acceleration)
       if (!std::isfinite(a))
         return {Result::failed,
                 fmt::format("the acceleration is {} at a mass of {:.4g} kg and the velocity {:.4g}, {:.4g}, "
@@ -132,42 +80,90 @@ Outcome check_neuron_finite(const Component& component, std::uint64_t seed) {
 Outcome check_neuron_derivatives(const Component& component, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   for (int k = 0; k < 40; ++k) {
-    const std::vector<double> at = any_node(component, random);
-    const NeuronAnswer claimed = answer_of(component, at, true);
+    const NodeInputs at = any_node(component, random);
+    const std::size_t declared = call_neuron(component, {at}, {.derivatives = true}).by.size();
     for (std::size_t column = 0; column < at.size(); ++column) {
+      const bool is_force = column < position;
       if (column >= parameter && component.description->parameters[column - parameter]->type != SPRINGNET_NUMBER)
         continue;
-      const Functions functions = [&](const std::vector<double>& xs) {
-        std::vector<std::vector<double>> values(3);
-        std::vector<double> moved = at;
+      if (!is_force && column >= declared) continue;
+      // Of each axis the declared derivative, then 1 / mass.
+      const Pairs pairs = [&](const std::vector<double>& xs) {
+        std::vector<Pair> result(is_force ? 6 : 3);
+        NodeInputs moved = at;
         for (const double x : xs) {
           moved[column] = x;
-          const auto a = answer_of(component, moved, false).acceleration;
-          for (std::size_t axis = 0; axis < 3; ++axis) values[axis].push_back(a[axis]);
+          const NeuronAnswer answer = call_neuron(component, {moved}, {.derivatives = true});
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            result[axis].values.push_back(answer.acceleration[axis]);
+            if (column < answer.by.size()) result[axis].derivatives.push_back(answer.by[column][axis]);
+            if (!is_force) continue;
+            result[3 + axis].values.push_back(answer.acceleration[axis]);
+            result[3 + axis].derivatives.push_back(column == axis ? 1.0 / at[mass] : 0.0);
+          }
         }
-        return values;
+        return result;
       };
-      const double step = 0.1 * std::max(std::abs(at[column]), 1e-2);
-      const std::vector<Slope> found = slopes(functions, at[column], step);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Slope& slope = found[axis];
-        const auto differs = [&](double value) {
-          return compare(value, slope) == Verdict::differs &&
-                 differs_for_all_steps(value, functions, axis, at[column], step);
-        };
-        if (column < position && differs(column == axis ? 1.0 / at[mass] : 0.0))
+      double step = 0.05 * std::max(std::abs(at[column]), 1e-2);
+      if (column >= parameter) {
+        const springnet_parameter& p = *component.description->parameters[column - parameter];
+        step = std::min({step, 0.5 * (at[column] - p.smallest), 0.5 * (p.largest - at[column])});
+      }
+      if (!(step > 0.0)) continue;
+      const std::vector<Comparison> found = compare_over(pairs, at[column] - step, at[column] + step);
+      for (std::size_t pair = found.size(); pair-- > 0;) {  // F / m first
+        if (found[pair].verdict != Verdict::differs) continue;
+        const double slope = found[pair].change / (2.0 * step), claimed = found[pair].integral / (2.0 * step);
+        if (pair >= 3)
           return {Result::failed,
-                  fmt::format("the acceleration grows by {:.9g} with the force, not by 1 / mass, {:.9g}: "
-                              "constraints rely on F / m",
-                              slope.value, column == axis ? 1.0 / at[mass] : 0.0)};
-        if (column >= claimed.by.size() || !differs(claimed.by[column][axis])) continue;
+                  fmt::format("the acceleration grows by {:.9g} with the force, not by 1 / mass, {:.9g}: constraints "
+                              "rely on F / m",
+                              slope, claimed)};
         return {
             Result::failed,
-            fmt::format("the derivative of the acceleration by {} is {:.9g}, differences give {:.9g} (within {:.1e})",
-                        column_name(component, column), claimed.by[column][axis], slope.value, slope.error)};
+            fmt::format("the derivative of the acceleration by {} is {:.9g}, its change gives {:.9g} (within {:.1e})",
+                        input_name(component, column), claimed, slope, found[pair].error / (2.0 * step))};
       }
     }
   }
+  return {};
+}
+
+Outcome check_neuron_batches(const Component& component, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const std::vector<NodeInputs> nodes = any_nodes(component, random, 67);
+  const NeuronAnswer whole = call_neuron(component, nodes, {.derivatives = true});
+  now_doing("evaluating batches of several sizes");
+  for (const InstructionSetName& set : instruction_sets())
+    for (const std::size_t size : {nodes.size(), std::size_t{1}, std::size_t{5}, std::size_t{8}, std::size_t{33}})
+      for (const std::size_t offset : {0u, 1u, 3u})
+        for (const bool derivatives : {true, false})
+          for (std::size_t first = 0; first < nodes.size(); first += size) {
+            const auto begin = nodes.begin() + static_cast<std::ptrdiff_t>(first);
+            const auto end = nodes.begin() + static_cast<std::ptrdiff_t>(std::min(nodes.size(), first + size));
+            const NeuronAnswer part = call_neuron(
+                component, {begin, end},
+                {.instruction_set = set.number, .derivatives = derivatives, .share = true, .offset = offset});
+            bool same = same_part(whole.acceleration, part.acceleration, first);
+            for (std::size_t column = 0; column < part.by.size(); ++column)
+              same = same && same_part(whole.by[column], part.by[column], first);
+            if (!same)
+              return {Result::failed, fmt::format("with the instruction set {}, {} nodes at a time, a node has other "
+                                                  "bits: its answer must depend on its own inputs alone",
+                                                  set.name, size)};
+          }
+  return {};
+}
+
+Outcome check_neuron_leaks(const Component& component, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const std::vector<NodeInputs> nodes = any_nodes(component, random, 3);
+  constexpr int calls = 100;
+  const double kept =
+      kept_by_each([&] { static_cast<void>(call_neuron(component, nodes, {.derivatives = true})); }, calls);
+  if (kept > 0.0)
+    return {Result::failed,
+            fmt::format("each evaluation keeps {:.0f} bytes: give back what it takes, or use the stack", kept)};
   return {};
 }
 

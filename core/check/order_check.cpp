@@ -10,7 +10,6 @@
 #include <springnet/simulation.hpp>
 
 #include "check/child.hpp"
-#include "check/differences.hpp"
 #include "check/law_checks.hpp"
 
 namespace springnet::check {
@@ -27,27 +26,28 @@ double mass_of(ReadyLaw& ready) {
   for (const std::size_t column : {l.value(), l.rate()}) {
     if (!call.reads(column, false)) continue;
     Point moved = point;
-    moved[column] += 0.01;
-    mass = std::max(mass, std::abs(call.rows_at(moved)[0] - call.rows_at(point)[0]) / 0.01);
+    const double step = 0.01 * point[l.reference()];
+    moved[column] += step;
+    mass = std::max(mass, std::abs(call.rows_at(moved)[0] - call.rows_at(point)[0]) / step);
   }
-  return std::isfinite(mass) && mass > 1e-6 ? mass : 1.0;
+  return std::isfinite(mass) && mass > 1e-9 ? mass : 1.0;
 }
 
-// Five nodes in a row, the first fixed, stretched a little and moving apart.
-Network chain(const LawUse& law, bool is_viscosity, double mass) {
+// Five nodes in a row, the first fixed, stretched a little and moving apart. rest: length of the springs, m.
+Network chain(const LawUse& law, bool is_viscosity, double mass, double rest) {
   Network net;
   constexpr int count = 5;
   for (int k = 0; k < count; ++k) {
     Node node;
-    node.position = Vector3(1.05 * k, 0.02 * k * k, 0.0);
+    node.position = rest * Vector3(1.05 * k, 0.02 * k * k, 0.0);
     node.mass = mass;
     node.fixed = k == 0;
-    if (k > 0) node.velocity = Vector3(0.06 * k, 0.01 * k, 0.02 * k);
+    if (k > 0) node.velocity = rest * Vector3(0.06 * k, 0.01 * k, 0.02 * k);
     net.add_node(node);
   }
   const LawUse hooke{"linear", {{"stiffness", mass}}};
   const MaterialIndex material = is_viscosity ? net.add_material({hooke, law}) : net.add_material({law, std::nullopt});
-  for (NodeIndex k = 0; k + 1 < count; ++k) net.add_spring(k, k + 1, material, 1.0);
+  for (NodeIndex k = 0; k + 1 < count; ++k) net.add_spring(k, k + 1, material, rest);
   return net;
 }
 
@@ -80,7 +80,8 @@ Outcome check_order(const LawSubject& subject) {
   for (std::size_t i = 0; i < l.parameters; ++i)
     use.parameters[call.component().description->parameters[i]->name] = ready.parameters()[i];
   const double mass = mass_of(ready);
-  const Network net = chain(use, call.is_viscosity(), mass);
+  const double rest = ready.points().at_rest()[l.reference()];
+  const Network net = chain(use, call.is_viscosity(), mass, rest);
   const LawUse cvode{"cvode", {{"relative_tolerance", 1e-11}}};
   now_doing("simulating a chain of five nodes with cvode");
   const Eigen::Matrix3Xd exact = end_of(net, subject, cvode, duration);
@@ -88,7 +89,7 @@ Outcome check_order(const LawSubject& subject) {
   for (const double theta : {1.0, 0.5}) {
     std::array<double, 3> errors{};
     now_doing("simulating a chain of five nodes with recurrent");
-    const double tolerance = 1e-12 * mass;
+    const double tolerance = 1e-12 * mass * rest;
     const LawUse recurrent{"recurrent", {{"theta", theta}, {"force_tolerance", tolerance}}};
     for (std::size_t level = 0; level < errors.size(); ++level)
       errors[level] =
@@ -96,7 +97,7 @@ Outcome check_order(const LawSubject& subject) {
     const double order = std::log2(errors[1] / errors[2]), wanted = theta == 1.0 ? 1.0 : 2.0;
     report += fmt::format("{}theta {:g}: {:.2f}", report.empty() ? "" : ", ", theta, order);
     // Below this, tolerances make up the error.
-    constexpr double noise = 1e-8;
+    const double noise = 1e-8 * rest;
     if (errors[2] < noise || order > wanted - 0.3) continue;
     return {
         Result::failed,

@@ -1,7 +1,9 @@
 #include "check/points.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -19,6 +21,17 @@ double inside(const springnet_parameter& p, double value, double share) {
   const double low = std::max(p.smallest, -widest), high = std::min(p.largest, widest);
   const double off = share * std::min(step_of(p), high - low);
   return high - low > 2.0 * off ? std::clamp(value, low + off, high - off) : 0.5 * (low + high);
+}
+
+constexpr std::array<double, 3> no_direction{}, some_direction{0.6, 0.64, 0.48};
+
+double shortest_edge(const Corners& corners) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < corners.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      shortest = std::min(shortest, std::hypot(corners[a][0] - corners[b][0], corners[a][1] - corners[b][1],
+                                               corners[a][2] - corners[b][2]));
+  return shortest;
 }
 
 bool is_scaled(std::uint32_t invariant) {
@@ -41,10 +54,10 @@ std::vector<double> typical_parameters(const springnet_component& component) {
   return values;
 }
 
-Points::Points(const LawCall& call, std::vector<double> typical, bool from_scene, bool fixed, std::uint64_t seed)
+Points::Points(const LawCall& call, std::vector<double> typical, const SceneLaw* scene, bool fixed, std::uint64_t seed)
     : call_(call),
       typical_(std::move(typical)),
-      from_scene_(from_scene),
+      scene_(scene != nullptr && !scene->elements.empty() ? scene : nullptr),
       fixed_(fixed),
       random_(seed),
       lowest_(std::max(call.law().smallest_stretch, smallest_checked)),
@@ -56,25 +69,38 @@ void Points::set_states_at_start(Point& point) const {
   std::copy(states.begin(), states.end(), point.begin() + static_cast<std::ptrdiff_t>(l.state(0)));
 }
 
-Point Points::at_rest(double size, Placed* placed) const {
+const UsedElement* Points::any_used() {
+  if (scene_ == nullptr) return nullptr;
+  return &scene_->elements[std::uniform_int_distribution<std::size_t>(0, scene_->elements.size() - 1)(random_)];
+}
+
+void Points::put_parameters(Point& point, const UsedElement* used) const {
+  const std::vector<double>& values = used != nullptr ? scene_->parameters[used->parameters] : typical_;
+  std::copy(values.begin(), values.end(), point.begin() + static_cast<std::ptrdiff_t>(call_.layout().parameter(0)));
+}
+
+Point Points::at_rest(std::size_t size, Placed* placed) const {
+  constexpr std::array<double, sizes> lengths{1.0, 0.37, 1e-6};  // m; the last: elements of cells
+  const UsedElement* const used = scene_ == nullptr ? nullptr : &scene_->elements.at(size);
   const sdk::JacobianLayout& l = call_.layout();
   Point point(l.columns(true), 0.0);
-  std::copy(typical_.begin(), typical_.end(), point.begin() + static_cast<std::ptrdiff_t>(l.parameter(0)));
+  put_parameters(point, used);
   for (std::size_t i = 0; i < l.inputs; ++i)
     point[l.input(i)] = point[l.start_input(i)] = call_.law().inputs[i]->default_value;
   if (call_.several()) {
-    Corners corners = corners_of(call_.law().shape);
+    Corners corners = used != nullptr ? used->rest : corners_of(call_.law().shape);
     for (auto& corner : corners)
-      for (double& x : corner) x *= size;
+      for (double& x : corner) x *= used != nullptr ? 1.0 : lengths.at(size);
     const std::vector<double> scalars = scalars_of(call_.law(), corners);
     for (std::size_t i = 0; i < l.invariants; ++i)
       point[l.reference(i)] = point[l.value(i)] = point[l.start_value(i)] = scalars[i];
-    const std::array<double, 3> direction = direction_of(corners, {0.6, 0.64, 0.48});
+    const std::array<double, 3> direction =
+        direction_of(corners, used != nullptr && used->direction != no_direction ? used->direction : some_direction);
     std::copy(direction.begin(), direction.end(), point.begin() + static_cast<std::ptrdiff_t>(l.direction(0)));
     if (placed != nullptr) *placed = {corners, corners};
   } else {
-    const double reference = is_scaled(call_.law().invariant) ? size : 1.0;
-    point[l.reference()] = reference;
+    const double unused = is_scaled(call_.law().invariant) ? lengths.at(size) : 1.0;
+    point[l.reference()] = used != nullptr ? used->reference : unused;
     stretch(point, std::clamp(1.0, lowest_, highest_));
     if (call_.law().invariant == SPRINGNET_RELATIVE_SPEED) point[l.value()] = 0.0;
   }
@@ -93,32 +119,33 @@ void Points::stretch(Point& point, double stretch) const {
 double Points::draw(const springnet_parameter& p, double typical, double factor) {
   switch (p.type) {
     case SPRINGNET_BOOLEAN:
-      return from_scene_ ? typical : uniform(0.0, 1.0) < 0.5 ? 0.0 : 1.0;
+      return uniform(0.0, 1.0) < 0.5 ? 0.0 : 1.0;
     case SPRINGNET_CHOICE:
-      return from_scene_ ? typical : std::floor(uniform(0.0, static_cast<double>(p.choice_count)));
+      return std::floor(uniform(0.0, static_cast<double>(p.choice_count)));
     case SPRINGNET_INTEGER:
-      return from_scene_ ? typical : std::clamp(typical + std::floor(uniform(0.0, 3.0)), p.smallest, p.largest);
+      return std::clamp(typical + std::floor(uniform(0.0, 3.0)), p.smallest, p.largest);
     default:
       break;
   }
-  const double value = typical == 0.0 ? (from_scene_ ? 0.0 : step_of(p) * uniform(-1.0, 1.0))
-                                      : typical * std::pow(factor, uniform(-1.0, 1.0));
+  const double value =
+      typical == 0.0 ? step_of(p) * uniform(-1.0, 1.0) : typical * std::pow(factor, uniform(-1.0, 1.0));
   return inside(p, value, 0.05);
 }
 
-// Corners moved by up to a fifth, with velocities of up to 1 m/s.
-void Points::draw_geometry(Point& point) {
+// Corners moved by up to a fifth, with velocities of up to that a second.
+void Points::draw_geometry(Point& point, const UsedElement* used) {
   const sdk::JacobianLayout& l = call_.layout();
   const springnet_law& law = call_.law();
-  const double size = std::pow(3.0, uniform(-1.0, 1.0));
   const auto moved = [&](Corners corners, double by) {
     for (auto& corner : corners)
       for (double& x : corner) x += by * uniform(-1.0, 1.0);
     return corners;
   };
-  Corners rest = moved(corners_of(law.shape), 0.1);
+  double size = std::pow(3.0, uniform(-1.0, 1.0));
+  Corners rest = used != nullptr ? used->rest : moved(corners_of(law.shape), 0.1);
+  if (used != nullptr) size = shortest_edge(rest);
   for (auto& corner : rest)
-    for (double& x : corner) x *= size;
+    for (double& x : corner) x *= used != nullptr ? 1.0 : size;
   const Corners now = moved(rest, 0.2 * size);
   const std::vector<double> at_rest = scalars_of(law, rest), at_present = scalars_of(law, now);
   const std::vector<std::vector<double>> gradients = gradients_of(law, now);
@@ -132,7 +159,9 @@ void Points::draw_geometry(Point& point) {
     point[l.rate(i)] = rate;
   }
   const std::array<double, 3> direction =
-      direction_of(rest, {uniform(0.2, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)});
+      used != nullptr && used->direction != no_direction
+          ? direction_of(rest, used->direction)
+          : direction_of(rest, {uniform(0.2, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)});
   std::copy(direction.begin(), direction.end(), point.begin() + static_cast<std::ptrdiff_t>(l.direction(0)));
 }
 
@@ -140,19 +169,20 @@ Point Points::any() {
   const sdk::JacobianLayout& l = call_.layout();
   const springnet_law& law = call_.law();
   Point point(l.columns(true), 0.0);
+  const UsedElement* const used = any_used();
   if (call_.several()) {
-    draw_geometry(point);
+    draw_geometry(point, used);
   } else {
     const double spread = 0.1 * (highest_ - lowest_);
-    point[l.reference()] = is_scaled(law.invariant) ? std::pow(3.0, uniform(-1.0, 1.0)) : uniform(0.7, 1.3);
+    const double drawn = is_scaled(law.invariant) ? std::pow(3.0, uniform(-1.0, 1.0)) : uniform(0.7, 1.3);
+    point[l.reference()] = used != nullptr ? used->reference : drawn;
     stretch(point, std::clamp(uniform(0.4, 1.8), lowest_ + spread, highest_ - spread));
     if (law.invariant == SPRINGNET_RELATIVE_SPEED) point[l.value()] = uniform(0.1, 2.0);
     point[l.rate()] = point[l.reference()] * uniform(-1.0, 1.0);
   }
-  const double factor = from_scene_ ? 1.2 : 3.0;
-  for (std::size_t i = 0; i < l.parameters; ++i)
-    point[l.parameter(i)] =
-        fixed_ ? typical_[i] : draw(*call_.component().description->parameters[i], typical_[i], factor);
+  put_parameters(point, used);
+  for (std::size_t i = 0; i < l.parameters && used == nullptr && !fixed_; ++i)
+    point[l.parameter(i)] = draw(*call_.component().description->parameters[i], typical_[i], 3.0);
   set_states_at_start(point);
   for (std::size_t i = 0; i < l.states; ++i) {
     const springnet_parameter& p = *law.states[i];

@@ -6,6 +6,7 @@
 
 #include "check/geometry.hpp"
 #include "check/law_call.hpp"
+#include "check/scene_laws.hpp"
 
 namespace springnet::check {
 
@@ -16,18 +17,20 @@ struct Placed {
 
 class Points {
  public:
-  // typical: values of the parameters around which others are drawn. from_scene: they are a user's, and others stay
-  // close to them. fixed: the law has prepared a table for these parameters, so that others would not fit.
-  Points(const LawCall& call, std::vector<double> typical, bool from_scene, bool fixed, std::uint64_t seed);
+  // typical: values of the parameters around which others are drawn. scene: its elements and parameters are taken as
+  // they are, in place of others; null: none. fixed: the law has prepared a table for these parameters, so that others
+  // would not fit.
+  Points(const LawCall& call, std::vector<double> typical, const SceneLaw* scene, bool fixed, std::uint64_t seed);
 
   // The stretches q / reference that are checked: those declared, but from a millionth to 2 where the law declares
   // more.
   [[nodiscard]] double lowest() const noexcept { return lowest_; }
   [[nodiscard]] double highest() const noexcept { return highest_; }
 
-  // At rest: references of the size given (1: lengths of about 1 m), no rates, typical parameters, states at their
-  // start, inputs without a signal.
-  [[nodiscard]] Point at_rest(double size = 1.0, Placed* placed = nullptr) const;
+  // Elements at rest: no rates, typical parameters, states at their start, inputs without a signal. Lengths of 1 m,
+  // 0.37 m and a micrometre; of a scene the median, the smallest and the largest.
+  static constexpr std::size_t sizes = 3;
+  [[nodiscard]] Point at_rest(std::size_t size = 0, Placed* placed = nullptr) const;
   // Random arguments, well within all bounds.
   [[nodiscard]] Point any();
   [[nodiscard]] std::vector<Point> several(std::size_t count);
@@ -48,12 +51,15 @@ class Points {
 
  private:
   [[nodiscard]] double draw(const springnet_parameter& parameter, double typical, double factor);
-  void draw_geometry(Point& point);
+  void draw_geometry(Point& point, const UsedElement* used);
+  void put_parameters(Point& point, const UsedElement* used) const;
   void set_states_at_start(Point& point) const;
+  [[nodiscard]] const UsedElement* any_used();  // null: none
 
   const LawCall& call_;
   std::vector<double> typical_;
-  bool from_scene_, fixed_;
+  const SceneLaw* scene_;  // null, or one with elements
+  bool fixed_;
   std::mt19937_64 random_;
   double lowest_, highest_;
 };

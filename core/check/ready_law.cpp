@@ -37,15 +37,15 @@ std::vector<std::vector<double>> in_order(const Component& component, const Tabl
 }  // namespace
 
 ReadyLaw::ReadyLaw(const LawSubject& subject)
-    : from_scene_(subject.use != nullptr),
-      parameters_(subject.use != nullptr
-                      ? complete_parameters(*subject.component->description, subject.use->parameters, "the scene")
-                      : typical_parameters(*subject.component->description)) {
+    : parameters_(subject.scene != nullptr ? subject.scene->parameters.front()
+                                           : typical_parameters(*subject.component->description)) {
   const Component& component = *subject.component;
   const springnet_law& law = component.law();
   const bool has_tables = law.table_count > 0;
-  if (subject.use != nullptr) {
-    tables_ = subject.use->tables;
+  if (subject.scene != nullptr) {
+    if (!subject.scene->elements.empty())
+      parameters_ = subject.scene->parameters[subject.scene->elements.front().parameters];
+    tables_ = subject.scene->use.tables;
     prepared_ = std::make_unique<PreparedTable>(component, in_order(component, tables_), parameters_);
   } else if (has_tables) {
     std::string refused;
@@ -64,7 +64,7 @@ ReadyLaw::ReadyLaw(const LawSubject& subject)
           refused));
   }
   call_ = std::make_unique<LawCall>(component, prepared_ == nullptr ? nullptr : prepared_->get());
-  points_ = std::make_unique<Points>(*call_, parameters_, from_scene_, has_tables, subject.seed);
+  points_ = std::make_unique<Points>(*call_, parameters_, subject.scene, has_tables, subject.seed);
 }
 
 bool can_declare(const Component& component) { return std::string_view(component.plugin->id) != "formula"; }

@@ -92,11 +92,12 @@ Outcome check_states(const LawSubject& subject) {
   const sdk::JacobianLayout& l = call.layout();
   const springnet_law& law = call.law();
   if (l.states == 0) return {Result::passed, "has no states"};
-  constexpr int elements = 8, coarse = 16, fine = 2048;
+  constexpr int elements = 8, most_elements = 32, coarse = 16, fine = 2048;
   std::string report;
   for (std::uint32_t order = 1; order <= law.update_order; ++order) {
     std::vector<double> orders;
-    for (int k = 0; k < elements; ++k) {
+    int smooth = 0;
+    for (int k = 0; k < most_elements && smooth < elements; ++k) {
       const Point from = ready.points().any();
       const std::vector<double> start = call.start_states(from, Memory::Layout::roomy);
       if (const std::string wrong = outside(law, start); !wrong.empty())
@@ -105,6 +106,11 @@ Outcome check_states(const LawSubject& subject) {
       for (std::size_t i = 0; i < l.invariants; ++i)
         path.to[l.value(i)] = from[l.value(i)] * ready.points().uniform(1.0, 1.2);
       const std::vector<double> exact = integrated(call, path, start, fine);
+      // Where a path crosses a kink of the rates, every method is of first order. The reference itself shows it: else
+      // half of its steps give the same.
+      constexpr double same = 1e-11;
+      const bool is_smooth = distance(law, exact, integrated(call, path, start, fine / 2)) < same;
+      if (is_smooth) ++smooth;
       std::array<double, 3> errors{};
       for (std::size_t level = 0; level < errors.size(); ++level) {
         const int parts = coarse << level;
@@ -127,8 +133,12 @@ Outcome check_states(const LawSubject& subject) {
       // Errors that rounding and the reference's own error make up tell nothing.
       constexpr double noise = 1e-7;
       if (errors[2] < noise) continue;
-      orders.push_back(std::log2(errors[1] / errors[2]));
-      if (!(errors[2] < 0.7 * errors[0]))
+      if (is_smooth) orders.push_back(std::log2(errors[1] / errors[2]));
+      // Across a kink errors fall irregularly, within a bound that falls with the step.
+      constexpr int parts = 32 * coarse;
+      const double finest =
+          is_smooth ? errors[2] : distance(law, stepped(call, path, start, parts, order, 0, parts), exact);
+      if (!(finest < 0.7 * (is_smooth ? errors[0] : *std::max_element(errors.begin(), errors.end()))))
         return {
             Result::failed,
             fmt::format("steps of order {} do not approach what the rates give: with {}, {}, {} steps they are off by "
@@ -136,10 +146,10 @@ Outcome check_states(const LawSubject& subject) {
                         order, coarse, 2 * coarse, 4 * coarse, errors[0], errors[1], errors[2], place(call, from))};
     }
     if (orders.empty()) {
-      report += fmt::format("{}order {}: exact", report.empty() ? "" : ", ", order);
+      report += fmt::format("{}order {}: {}", report.empty() ? "" : ", ", order,
+                            smooth > 0 ? "exact" : "not seen, all rates have kinks");
       continue;
     }
-    // Where a path crosses a kink of the rates, every method is of first order; most do not.
     std::sort(orders.begin(), orders.end());
     const double seen = orders[orders.size() * 3 / 4];
     if (seen < order - 0.35)

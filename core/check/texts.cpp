@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -61,6 +62,14 @@ Outcome check_texts(const Component& component) {
   if (component.file.empty() && std::string_view(component.plugin->id) == "formula") return {};
   if (std::string_view(description.summary).empty())
     return {Result::warned, "it has no summary: say in one line what it is"};
+  if (std::string_view(description.summary).find('\n') != std::string_view::npos)
+    return {Result::warned, "it has a summary of several lines: write one"};
+  // Of a file: those who use it want to know what they have.
+  const springnet_plugin& plugin = *component.plugin;
+  for (const auto& [name, text] :
+       {std::pair("version", plugin.version), std::pair("author", plugin.author), std::pair("licence", plugin.licence)})
+    if (!component.file.empty() && (text == nullptr || *text == '\0'))
+      return {Result::warned, fmt::format("its plugin has no {}: fill it in", name)};
   for (std::uint32_t i = 0; i < description.parameter_count; ++i)
     if (const std::string text = remark(*description.parameters[i], "parameter"); !text.empty())
       return {Result::warned, text};
@@ -72,6 +81,11 @@ Outcome check_texts(const Component& component) {
     if (const std::string text = remark(*law.states[i], "state"); !text.empty()) return {Result::warned, text};
   for (std::uint32_t i = 0; i < law.input_count; ++i)
     if (const std::string text = remark(*law.inputs[i], "input"); !text.empty()) return {Result::warned, text};
+  for (std::uint32_t i = 0; i < law.table_count; ++i)
+    if (const std::string word = unknown_unit(law.tables[i]->unit); !word.empty())
+      return {Result::warned,
+              fmt::format("table '{}' has the unit '{}', and '{}' is no unit of the SI", printable(law.tables[i]->name),
+                          printable(law.tables[i]->unit), printable(word))};
   return {};
 }
 

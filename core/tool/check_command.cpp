@@ -30,7 +30,8 @@ constexpr const char* check_examples =
 
 Every check runs in a process of its own: a law that crashes, hangs or ends the process is a line of the report.
 Checks of laws, in this order: load call arrays finite rest energy derivatives dissipation batches states promises order
-speed. Of neurons: load call finite derivatives. Of integrators: load call order momentum.
+leaks speed. Of neurons: load call arrays finite derivatives batches leaks. Of integrators: load call order momentum
+states events contact rigid refusals options repeats memory leaks.
 
 Exit status:
   0 all passed, perhaps with warnings   1 a check failed   2 usage   3 the plugin cannot be loaded)";

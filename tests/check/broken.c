@@ -10,11 +10,20 @@
 #ifndef RATE_SIGN
 #define RATE_SIGN 1.0
 #endif
+#ifndef LICENCE
+#define LICENCE "MIT"
+#endif
 #ifndef UNIT
 #define UNIT "N/m"
 #endif
 #ifndef CAPABILITIES
 #define CAPABILITIES SPRINGNET_ACTS_IN_COMPRESSION
+#endif
+#ifndef SMALLEST_STRETCH
+#define SMALLEST_STRETCH 0.0
+#endif
+#ifndef MISTAKE_SIZE
+#define MISTAKE_SIZE 1e-4
 #endif
 #ifndef LARGEST_STRETCH
 #define LARGEST_STRETCH (double)INFINITY
@@ -98,6 +107,12 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
   *(volatile double*)b->force_by_parameters = 0.0;
   *(volatile double*)NULL = 0.0;
 #endif
+#ifdef MISTAKE_LEAKS
+  static void* kept; /* a list that grows */
+  void** const item = malloc(24);
+  if (item) *item = kept;
+  kept = item;
+#endif
 #ifdef MISTAKE_FAILS
   return SPRINGNET_FAILED;
 #endif
@@ -120,11 +135,14 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
 #ifdef MISTAKE_FALLS
     force = k * sin(3.0 * e) + d * b->rate[i], energy = k * (1.0 - cos(3.0 * e)) / 3.0, by_q = 3.0 * k * cos(3.0 * e);
 #endif
+#ifdef MISTAKE_POLE
+    force = k * e / (1.0 - 4.0 * e * e / (reference * reference)) + d * b->rate[i];
+#endif
 #ifdef MISTAKE_WRONG_ENERGY
-    energy *= 1.0001;
+    energy *= 1.0 + MISTAKE_SIZE;
 #endif
 #ifdef MISTAKE_WRONG_DERIVATIVE
-    by_q *= 1.0001;
+    by_q *= 1.0 + MISTAKE_SIZE;
 #endif
 #ifdef MISTAKE_NAN
     if (q > 1.2 * reference && q < 1.3 * reference) force = NAN;
@@ -200,7 +218,7 @@ SPRINGNET_EXPORT springnet_plugin springnet_plugin_entry = {SPRINGNET_MAGIC,
                                                             "org.example.broken",
                                                             "1.0",
                                                             "a test",
-                                                            "MIT",
+                                                            LICENCE,
                                                             components};
 
 __attribute__((constructor)) static void fill_in(void) {
@@ -212,6 +230,7 @@ __attribute__((constructor)) static void fill_in(void) {
   law.struct_size = sizeof law;
   law.invariant = SPRINGNET_LENGTH;
   law.update_order = 1;
+  law.smallest_stretch = SMALLEST_STRETCH;
   law.largest_stretch = LARGEST_STRETCH;
   law.evaluate = evaluate;
   component.struct_size = sizeof component;
@@ -223,6 +242,9 @@ __attribute__((constructor)) static void fill_in(void) {
   component.parameters = parameter_list;
   component.implementation = &law;
   component.capabilities = (uint64_t)(CAPABILITIES) | SPRINGNET_HAS_ENERGY;
+#ifdef MISTAKE_POLE
+  component.capabilities |= SPRINGNET_DIVIDES_BY_REFERENCE;
+#endif
 #ifdef WITH_STATE
   law.state_count = 1;
   law.states = state_list;

@@ -1,4 +1,6 @@
 /* A neuron in plain C, a = F / m - c v, right but for the mistake that MISTAKE_… chooses. */
+#include <stdlib.h>
+
 #include <springnet/sdk/plugin.h>
 
 static const springnet_parameter drag = {.struct_size = sizeof(springnet_parameter),
@@ -14,6 +16,12 @@ static const springnet_parameter* const parameters[] = {&drag};
 
 static springnet_status evaluate(void* context, const springnet_neuron_batch* b) {
   (void)context;
+#ifdef MISTAKE_LEAKS
+  static void* kept; /* a list that grows */
+  void** const item = malloc(24);
+  if (item) *item = kept;
+  kept = item;
+#endif
   const double *force[] = {b->force.x, b->force.y, b->force.z},
                *velocity[] = {b->velocity.x, b->velocity.y, b->velocity.z};
   double* const acceleration[] = {b->acceleration.x, b->acceleration.y, b->acceleration.z};
@@ -29,7 +37,15 @@ static springnet_status evaluate(void* context, const springnet_neuron_batch* b)
 #else
     const double by_velocity = -c;
 #endif
-    for (uint32_t k = 0; k < 3; ++k) acceleration[k][i] = force[k][i] * mobility - c * velocity[k][i];
+#ifdef MISTAKE_CHANGES
+    ((double*)b->mass)[i] = b->mass[i] + 0.0;
+#endif
+#ifdef MISTAKE_BATCH
+    const double slight = 1.0 + 1e-15 * (b->count % 7);
+#else
+    const double slight = 1.0;
+#endif
+    for (uint32_t k = 0; k < 3; ++k) acceleration[k][i] = force[k][i] * mobility * slight - c * velocity[k][i];
     for (uint32_t k = 0; k < 9; ++k) {
       const double diagonal = k % 4 == 0 ? 1.0 : 0.0;
       if (b->acceleration_by_force) b->acceleration_by_force[9 * i + k] = diagonal * mobility;

@@ -41,7 +41,7 @@ TEST_CASE("the table and the JSON have every check, with its reason and the seed
   CHECK(report["seed"] == 5);
   CHECK(report["loaded"] == true);
   CHECK(report["passed"] == false);
-  REQUIRE(report["checks"].size() == 13);
+  REQUIRE(report["checks"].size() == 14);
   CHECK(report["checks"][1]["check"] == "call");
   CHECK(report["checks"][1]["result"] == "crash");
   CHECK(report["checks"][2]["result"] == "skipped");

@@ -18,6 +18,8 @@ class Cvode : public Integrator {
       "A. C. Hindmarsh et al., SUNDIALS: Suite of nonlinear and differential/algebraic equation solvers, "
       "ACM Transactions on Mathematical Software 31 (2005) 363-396";
   static constexpr bool integrates_states = true;
+  static constexpr bool locates_events = true;
+  static constexpr bool chooses_steps = true;
   static constexpr Parameter parameters[] = {
       choice("method", {"bdf", "adams"}, "backward differentiation for stiff networks, or Adams-Moulton"),
       number("relative_tolerance", "1", "error of a step, relative to the scales of the network")

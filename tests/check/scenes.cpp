@@ -1,0 +1,130 @@
+// Laws of scenes: with the scene's own parameters, lengths and elements.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <springnet/formula.hpp>
+#include <springnet/scene.hpp>
+
+#include "check/check.hpp"
+#include "check/scene_laws.hpp"
+
+using namespace springnet;
+using check::Result;
+
+namespace {
+
+check::Options options(std::uint64_t seed = 3) {
+  static const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
+  check::Options options;
+  options.seed = seed;
+  options.host = host;
+  return options;
+}
+
+LawFormula formula(const char* force) {
+  LawFormula law;
+  law.force = force;
+  for (const std::string& name : parameters_of(law)) law.parameters.push_back({name});
+  return law;
+}
+
+// A row of springs of these lengths, each with a material of its own.
+Network row(const std::vector<std::pair<double, LawUse>>& springs) {
+  Network net;
+  Node node;
+  net.add_node(node);
+  for (const auto& [length, law] : springs) {
+    node.position.x() += length;
+    const NodeIndex next = net.add_node(node);
+    net.add_spring(next - 1, next, net.add_material({law, std::nullopt}));
+  }
+  return net;
+}
+
+const check::Finding& finding(const check::Report& report, const char* check) {
+  const auto found = std::find_if(report.findings.begin(), report.findings.end(),
+                                  [&](const check::Finding& each) { return each.check == check; });
+  REQUIRE(found != report.findings.end());
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("the laws of the examples pass, and all that is left to say is that some are loaded at rest") {
+  std::vector<std::filesystem::path> scenes;
+  for (const auto& entry : std::filesystem::directory_iterator(EXAMPLES "/laws"))
+    if (entry.path().extension() == ".toml") scenes.push_back(entry.path());
+  REQUIRE(scenes.size() >= 11);
+  for (const auto& scene : scenes)
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      const check::Report report = check::check_laws_of(load_scene(scene, *options().host).network, options(seed));
+      CHECK(report.passed());
+      for (const check::Finding& each : report.findings) {
+        CAPTURE(scene.filename().string());
+        CAPTURE(each.check);
+        CAPTURE(each.outcome.why);
+        const bool of_elements = each.check == "order" && each.outcome.result == Result::skipped;
+        const bool loaded = each.check == "rest" && each.outcome.result == Result::warned;
+        CHECK((each.outcome.result == Result::passed || of_elements || loaded));
+      }
+    }
+}
+
+TEST_CASE("the elements that are checked are the scene's: its lengths, with the parameters that belong to them") {
+  const auto component = component_of(formula("stiffness*e/(1 - (length/limit)^2)"));
+  const auto law = [&](double stiffness, double limit) {
+    return LawUse{"formula", {{"stiffness", stiffness}, {"limit", limit}}, {}, component};
+  };
+  const Network net = row({{0.2, law(1.0, 0.9)},
+                           {0.1, law(1.0, 0.9)},
+                           {0.2, law(1.0, 0.9)},
+                           {7.0, law(3.0, 30.0)},
+                           {5.0, LawUse{"linear", {{"stiffness", 2.0}}}}});
+  const std::vector<check::SceneLaw> laws = check::laws_of(net, *options().host);
+  REQUIRE(laws.size() == 2);
+  REQUIRE(laws[0].parameters.size() == 2);
+  REQUIRE(laws[0].elements.size() >= 3);
+  // The median, the smallest, the largest.
+  CHECK(laws[0].elements[0].reference == doctest::Approx(0.2));
+  CHECK(laws[0].elements[1].reference == doctest::Approx(0.1));
+  CHECK(laws[0].elements[2].reference == doctest::Approx(7.0));
+  for (const check::UsedElement& each : laws[0].elements) CHECK(each.parameters == (each.reference > 1.0 ? 1u : 0u));
+  CHECK(laws[1].use.id == "linear");
+  // Limits of 0.9 m and 30 m are beyond twice of these lengths, not of each other's.
+  const check::Report report = check::check_laws_of(net, options());
+  CHECK(report.findings.size() == 28);
+  CHECK(finding(report, "finite").outcome.result == Result::passed);
+}
+
+TEST_CASE("a pole that a scene's lengths may reach is told, and one that answers nan beyond is not") {
+  const auto found = [](const char* force, double limit) {
+    const LawUse law = law_of(formula(force), {{"stiffness", 2.0}, {"limit", limit}});
+    return finding(check::check_laws_of(row({{0.5, law}, {0.6, law}}), options()), "finite").outcome;
+  };
+  const check::Outcome pole = found("stiffness*e/(1 - (length/limit)^2)", 0.8);
+  CHECK(pole.result == Result::warned);
+  CHECK(pole.why.find("a pole at a stretch of 1.6") != std::string::npos);
+  CHECK(found("stiffness*e/(1 - (length/limit)^2)", 1.3).result == Result::passed);
+  const check::Outcome honest = found("stiffness*e/sqrt(1 - (length/limit)^2)^2", 0.8);
+  CHECK(honest.result == Result::passed);
+  CHECK(honest.why.find("follows from parameters") != std::string::npos);
+  // An end that no parameter moves could be declared.
+  CHECK(found("limit*stiffness*log(1.5 - stretch)", 1.0).result == Result::failed);
+}
+
+TEST_CASE("zero rest lengths, unused materials, and many springs are no trouble") {
+  Network net = row({{1.0, LawUse{"linear", {{"stiffness", 2.0}}}}});
+  net.set_rest_length(0, 0.0);
+  static_cast<void>(net.add_material({LawUse{"linear", {{"stiffness", 3.0}}}, LawUse{"linear", {{"damping", 0.1}}}}));
+  CHECK(check::check_laws_of(net, options()).passed());
+  std::vector<std::pair<double, LawUse>> many;
+  for (int k = 1; k <= 3000; ++k) many.emplace_back(0.01 * k, LawUse{"linear", {{"stiffness", 1.0 * k}}});
+  const check::Report report = check::check_laws_of(row(many), options());
+  CHECK(report.passed());
+  CHECK(report.findings.size() == 14);
+}
