@@ -33,8 +33,7 @@ struct Parsed {
 };
 std::vector<Parsed> parse_all(const LawFormula& law) {
   std::vector<Parsed> result;
-  for (const NamedFormula& each : formulas_of(law))
-    result.push_back({each.what, at(each.what, [&] { return parse(*each.text); })});
+  for (const NamedFormula& each : formulas_of(law)) result.push_back({each.what, parse_named(each)});
   return result;
 }
 const Parsed* find(const std::vector<Parsed>& all, std::string_view what) {

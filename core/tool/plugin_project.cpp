@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <springnet/formula_source.hpp>
 
 namespace springnet::tool {
 
@@ -129,7 +128,7 @@ constexpr std::string_view test_same = R"(
 file(READ ${{scene}} own)
 set(other [==[{with}]==])
 string(REPLACE "type = \"{name}\"" "${{other}}" other "${{own}}")
-if(other STREQUAL own)
+{curves}if(other STREQUAL own)
   message(FATAL_ERROR "${{scene}} does not use {name}")
 endif()
 file(WRITE ${{OUTPUT}}/other.toml "${{other}}")
@@ -140,34 +139,6 @@ execute_process(COMMAND ${{CMAKE_COMMAND}} -E compare_files ${{OUTPUT}}/own/traj
 if(different)
   message(FATAL_ERROR "{name} has not the bits of {what}: trajectory.csv differs in ${{OUTPUT}}/own and ${{OUTPUT}}/other")
 endif()
-)";
-
-constexpr std::string_view scene_text =
-    R"(# Two masses hang one below the other and come to rest. scene.md of the documentation describes every key.
-#   springnet run {name}.toml --plugins build
-title = "{title}"
-
-[simulation]
-duration   = 2.0    # s
-time_step  = 0.002  # s
-integrator = {integrator}
-
-[output]
-interval = 0.02  # s between records
-
-[gravity]
-acceleration = [0, 0, -9.81]  # m/s^2
-
-[[body]]
-name      = "chain"
-nodes     = [[0, 0, 0], [0, 0, -1], [0, 0.1, -2]]  # m
-springs   = [[0, 1], [1, 2]]
-neuron    = {neuron}
-spring    = {spring}
-viscosity = {viscosity}
-
-[[fix]]
-select = {{ nodes = [0] }}
 )";
 
 constexpr std::string_view readme_text = R"(# {name}
@@ -193,6 +164,76 @@ springnet run {name}.toml --plugins build
 {next} The author's guide is `share/doc/springnet/sdk.md` of the installation.
 )";
 
+// "my_law" is MyLaw, "fene" FeneLaw: the SDK has classes of one word.
+std::string type_of(const PluginProject& project) {
+  const std::string suffix = is_law(project) ? "Law" : project.kind == ComponentKind::neuron ? "Neuron" : "Method";
+  std::string type;
+  bool starts = true;
+  for (const char c : project.name) {
+    if (c != '_') type += starts ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+    starts = c == '_';
+  }
+  return type.ends_with(suffix) && type != suffix ? type : type + suffix;
+}
+
+std::string test_of(const PluginProject& project) {
+  const bool own = !project.formula;
+  std::string text =
+      fmt::format(test_start, fmt::arg("name", project.name), fmt::arg("kind", kind_word(project.kind)),
+                  // Of a formula whose parameters have no bounds yet the report does not count.
+                  fmt::arg("check", own ? "springnet(plugin check"
+                                        : "# TODO: springnet(plugin check …), which may fail, once parameters have "
+                                          "bounds.\n  execute_process(COMMAND ${TOOL} plugin check"),
+                  fmt::arg("ending", own ? "" : " COMMAND_ECHO STDOUT"),
+                  // A law with the parameters of the scene, because a formula may hold for few others.
+                  fmt::arg("checked", is_law(project) ? "${scene}" : project.name.c_str()));
+  if (project.kind == ComponentKind::integrator) return text;
+  const bool neuron = project.kind == ComponentKind::neuron;
+  const LawInScene plugin = plugin_in_scene(project);
+  const LawInScene other = neuron ? LawInScene{"type = \"dragged\"", ""} : formula_in_scene(project);
+  const std::string curves =
+      plugin.tables.empty()
+          ? ""
+          : fmt::format("string(REPLACE [==[{}]==] [==[{}]==] other \"${{other}}\")\n", plugin.tables, other.tables);
+  return text + fmt::format(test_same, fmt::arg("name", project.name),
+                            fmt::arg("what", neuron ? "springnet's own neuron 'dragged'" : "its formula in a scene"),
+                            fmt::arg("with", other.type), fmt::arg("curves", curves));
+}
+
+std::string readme_of(const PluginProject& project) {
+  const char* tests = "it loads, and moves as the reference";
+  const char* next = "Change the method in `advance`.";
+  if (is_law(project)) {
+    tests = "it loads, moves as the reference, and has the bits of its formula";
+    next =
+        !project.formula
+            ? "Change the formula in `force`, its parameters, their values in the scene, and the formula in the test."
+            : "Give the parameters units, meanings and bounds (TODO), and the scene values that suit the law.";
+  } else if (project.kind == ComponentKind::neuron) {
+    tests = "it loads, moves as the reference, and has the bits of springnet's own neuron `dragged`";
+    next = "Change the formula in `acceleration`, and what the test compares it with.";
+  }
+  return fmt::format(readme_text, fmt::arg("name", project.name), fmt::arg("kind", name_of(project.kind)),
+                     fmt::arg("tests", tests), fmt::arg("next", next));
+}
+
+}  // namespace
+
+bool is_law(const PluginProject& project) {
+  return project.kind == ComponentKind::spring_function || project.kind == ComponentKind::viscosity_function;
+}
+
+LawFormula law_of(const PluginProject& project) {
+  if (project.formula) return *project.formula;
+  LawFormula law;
+  law.kind = project.kind;
+  const bool is_spring = project.kind == ComponentKind::spring_function;
+  law.force = is_spring ? "stiffness*e" : "damping*rate";
+  law.parameters = {is_spring ? FormulaSymbol{"stiffness", "N/m", FormulaSymbol::none, "tension per elongation", 0.0}
+                              : FormulaSymbol{"damping", "N s/m", FormulaSymbol::none, "tension per rate", 0.0}};
+  return law;
+}
+
 std::string_view kind_word(ComponentKind kind) {
   switch (kind) {
     case ComponentKind::spring_function:
@@ -207,196 +248,14 @@ std::string_view kind_word(ComponentKind kind) {
   return "";
 }
 
-bool is_law(const PluginProject& project) {
-  return project.kind == ComponentKind::spring_function || project.kind == ComponentKind::viscosity_function;
-}
-
-// Without comments, in one line: characters of the language alone, which no text has to escape.
-std::string in_one_line(std::string_view formula) {
-  std::string line;
-  bool comment = false;
-  for (const char c : formula) {
-    comment = c != '\n' && (comment || c == '#');
-    if (comment) continue;
-    const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
-    if (!space)
-      line += c;
-    else if (!line.empty() && line.back() != ' ')
-      line += ' ';
-  }
-  while (line.ends_with(' ')) line.pop_back();
-  return line;
-}
-
-// `springnet plugin list` has a line for it.
-std::string summary_of(std::string_view formula) {
-  constexpr std::size_t longest = 60;
-  std::string line = in_one_line(formula);
-  if (line.size() > longest) line = line.substr(0, longest) + "...";
-  return line;
-}
-
-// Without --formula.
-struct FirstLaw {
-  const char *formula, *unit, *summary;
-};
-FirstLaw first_law(const PluginProject& project) {
-  if (project.kind == ComponentKind::spring_function) return {"stiffness*e", "N/m", "tension per elongation"};
-  return {"damping*rate", "N s/m", "tension per rate"};
-}
-
-LawFormula formula_of(const PluginProject& project) {
-  LawFormula law;
-  law.kind = project.kind;
-  law.force = project.formula.empty() ? first_law(project).formula : project.formula;
-  return law;
-}
-
-// "my_law" is MyLaw, "fene" FeneLaw: the SDK has classes of one word.
-std::string type_of(const PluginProject& project) {
-  const std::string suffix = is_law(project) ? "Law" : project.kind == ComponentKind::neuron ? "Neuron" : "Method";
-  std::string type;
-  bool starts = true;
-  for (const char c : project.name) {
-    if (c != '_') type += starts ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
-    starts = c == '_';
-  }
-  return type.ends_with(suffix) && type != suffix ? type : type + suffix;
-}
-
-constexpr std::size_t line_length = 120;
-
-std::string parameters_text(const PluginProject& project, const FormulaSource& source) {
-  if (source.parameters.empty()) return "";
-  const bool own = !project.formula.empty();
-  const FirstLaw first = first_law(project);
-  const std::string start = "  static constexpr Parameter parameters[] = {";
-  std::vector<std::string> entries;
-  std::size_t length = start.size() + 2;
-  for (const std::string& name : source.parameters) {
-    entries.push_back(fmt::format("number(\"{}\", \"{}\", \"{}\"){}", name, own ? "1" : first.unit,
-                                  own ? "" : first.summary, own ? "" : ".at_least(0)"));
-    length += entries.back().size() + 2;
-  }
-  const std::string next = length <= line_length ? ", " : ",\n" + std::string(start.size(), ' ');
-  return fmt::format(
-      "{}{}{}}};\n",
-      own ? "  // TODO: units, meanings and bounds, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n" : "",
-      start, fmt::join(entries, next));
-}
-
-std::string force_text(const FormulaSource& source) {
-  std::string text = fmt::format("  static auto force(const auto&{}, const auto&{}) {{",
-                                 source.uses_element ? " e" : "", source.uses_parameters ? " p" : "");
-  if (source.statements.size() == 1 && text.size() + source.statements[0].size() + 3 <= line_length)
-    return fmt::format("{} {} }}\n", text, source.statements[0]);
-  for (const std::string& statement : source.statements) text += "\n    " + statement;
-  return text + "\n  }\n";
-}
-
-std::string law_source(const PluginProject& project) {
-  const FormulaSource source = source_of(formula_of(project));
-  const std::string type = type_of(project);
-  std::string text = fmt::format(
-      "#include <springnet/sdk/law.hpp>\n\nnamespace {{\nusing namespace springnet::sdk;\n\nstruct {} : {} {{\n", type,
-      project.kind == ComponentKind::spring_function ? "SpringFunction" : "ViscosityFunction");
-  if (!source.enumerators.empty()) text += fmt::format("  enum {{ {} }};\n", fmt::join(source.enumerators, ", "));
-  text += fmt::format("  static constexpr const char *id = \"{}\", *summary = \"{}\";\n", project.name,
-                      summary_of(formula_of(project).force));
-  for (const std::string& declaration : source.declarations) text += "  " + declaration + "\n";
-  text += parameters_text(project, source) + "\n" + force_text(source);
-  return text + fmt::format(
-                    "}};\n}}  // namespace\nSPRINGNET_PLUGIN(\"org.example.{}\", \"0.1.0\", \"your name\", "
-                    "\"MIT\", {});\n",
-                    project.name, type);
-}
-
-// { type = "…", stiffness = 1.0 }
-std::string use_of(const PluginProject& project, const std::string& type) {
-  std::string text = "{ " + type;
-  if (is_law(project))
-    for (const std::string& name : source_of(formula_of(project)).parameters)
-      text += fmt::format(", {} = {}", name, project.value);
-  return text + " }";
-}
-
-std::string scene_of(const PluginProject& project, const std::string& type) {
-  std::string neuron = "{ type = \"point_mass\", mass = 0.01 }  # kg";
-  std::string spring = "{ type = \"linear\", stiffness = 1.0 }  # N/m";
-  std::string viscosity = "{ type = \"linear\", damping = 0.02 }  # N s/m";
-  std::string integrator = "{ name = \"recurrent\", theta = 0.5 }";
-  switch (project.kind) {
-    case ComponentKind::spring_function:
-      spring = use_of(project, type);
-      break;
-    case ComponentKind::viscosity_function:
-      viscosity = use_of(project, type);
-      break;
-    case ComponentKind::neuron:
-      neuron = "{ " + type + ", mass = 0.01, drag = 0.005 }  # kg, kg/s";
-      break;
-    case ComponentKind::integrator:
-      integrator = "{ " + type + " }";
-      break;
-  }
-  return fmt::format(scene_text, fmt::arg("name", project.name),
-                     fmt::arg("title", fmt::format("Two masses with the {} {}", kind_word(project.kind), project.name)),
-                     fmt::arg("integrator", integrator), fmt::arg("neuron", neuron), fmt::arg("spring", spring),
-                     fmt::arg("viscosity", viscosity));
-}
-
-std::string formula_in_scene(const PluginProject& project) {
-  return fmt::format("formula = \"{}\"", in_one_line(formula_of(project).force));
-}
-
-std::string test_of(const PluginProject& project) {
-  std::string text =
-      fmt::format(test_start, fmt::arg("name", project.name), fmt::arg("kind", kind_word(project.kind)),
-                  // Of a formula whose parameters have no bounds yet the report does not count.
-                  fmt::arg("check", project.formula.empty()
-                                        ? "springnet(plugin check"
-                                        : "# TODO: springnet(plugin check …), which may fail, once parameters have "
-                                          "bounds.\n  execute_process(COMMAND ${TOOL} plugin check"),
-                  fmt::arg("ending", project.formula.empty() ? "" : " COMMAND_ECHO STDOUT"),
-                  // A law with the parameters of the scene, because a formula may hold for few others.
-                  fmt::arg("checked", is_law(project) ? "${scene}" : project.name.c_str()));
-  const bool neuron = project.kind == ComponentKind::neuron;
-  if (project.kind == ComponentKind::integrator) return text;
-  return text + fmt::format(test_same, fmt::arg("name", project.name),
-                            fmt::arg("what", neuron ? "springnet's own neuron 'dragged'" : "its formula in a scene"),
-                            fmt::arg("with", neuron ? "type = \"dragged\"" : formula_in_scene(project)));
-}
-
-std::string readme_of(const PluginProject& project) {
-  const char* tests = "it loads, and moves as the reference";
-  const char* next = "Change the method in `advance`.";
-  if (is_law(project)) {
-    tests = "it loads, moves as the reference, and has the bits of its formula";
-    next =
-        project.formula.empty()
-            ? "Change the formula in `force`, its parameters, their values in the scene, and the formula in the test."
-            : "Give the parameters units, meanings and bounds (TODO), and the scene values that suit the law.";
-  } else if (project.kind == ComponentKind::neuron) {
-    tests = "it loads, moves as the reference, and has the bits of springnet's own neuron `dragged`";
-    next = "Change the formula in `acceleration`, and what the test compares it with.";
-  }
-  return fmt::format(readme_text, fmt::arg("name", project.name), fmt::arg("kind", name_of(project.kind)),
-                     fmt::arg("tests", tests), fmt::arg("next", next));
-}
-
-}  // namespace
-
-std::string scene_with_formula(const PluginProject& project) { return scene_of(project, formula_in_scene(project)); }
-
 std::vector<ProjectFile> files_of(const PluginProject& project) {
-  const bool integrator = project.kind == ComponentKind::integrator;
-  const std::string own = fmt::format("{} = \"{}\"", integrator ? "name" : "type", project.name);
   const std::string type = type_of(project);
-  const std::string source = is_law(project) ? law_source(project)
-                                             : fmt::format(fmt::runtime(integrator ? integrator_source : neuron_source),
-                                                           fmt::arg("name", project.name), fmt::arg("type", type));
+  const std::string_view other = project.kind == ComponentKind::integrator ? integrator_source : neuron_source;
+  const std::string source =
+      is_law(project) ? law_source(project, type)
+                      : fmt::format(fmt::runtime(other), fmt::arg("name", project.name), fmt::arg("type", type));
   return {{project.name + ".cpp", source},
-          {project.name + ".toml", scene_of(project, own)},
+          {project.name + ".toml", scene_of(project)},
           {"CMakeLists.txt", fmt::format(cmake_text, fmt::arg("name", project.name))},
           {"test.cmake", test_of(project)},
           {"README.md", readme_of(project)}};

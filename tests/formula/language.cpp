@@ -210,9 +210,9 @@ TEST_CASE("a component has what its formula declares, and gives the formula back
   law.smallest_stretch = 0.5;
   law.largest_stretch = 2.0;
   law.pulls_only = law.monotone = law.not_zero_at_rest = law.adds_power = law.smooth_rates = true;
-  law.parameters = {{"stiffness", "N/m", FormulaSymbol::none, "of all", 0.0, 100.0, true, 7.0, false}};
+  law.parameters = {{"stiffness", "N/m", FormulaSymbol::none, "of all", 0.0, 100.0, true, 7.0, false}, {"tau", "s"}};
   law.inputs = {{"drive", "1", 0.5, "of the muscle", 0.0, 1.0}};
-  law.states = {{"flow", "e - flow", 0.25, "m", "of the dashpot", -1.0, 3.0}};
+  law.states = {{"flow", "(e - flow)/tau", 0.25, "m", "of the dashpot", -1.0, 3.0}};
   const auto component = component_of(law);
   const springnet_component& made = *component->description;
   constexpr std::uint64_t promises =
@@ -234,7 +234,8 @@ TEST_CASE("a component has what its formula declares, and gives the formula back
   CHECK(std::string(component->law().states[0]->summary) == "of the dashpot");
   REQUIRE(formula_of(*component) != nullptr);
   CHECK(formula_of(*component)->force == law.force);
-  for (const auto& other : PluginHost::with_default_search().components()) CHECK(formula_of(*other) == nullptr);
+  const PluginHost host = PluginHost::with_default_search();
+  for (const auto& other : host.components()) CHECK(formula_of(*other) == nullptr);
   // What is not said is as with a law that says nothing.
   LawFormula plain;
   plain.force = "k*e";

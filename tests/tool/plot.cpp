@@ -168,7 +168,7 @@ TEST_CASE("mistakes in the arguments of a plot are told") {
   refused("recurrent --plot a.svg", 2, "is no law");
   refused("linear --set stiffness=1", 2, "--plot");
   refused("nothing.toml --plot a.svg", 2, "nothing.toml");
-  refused("nothing.toml", 2, "add --plot FILE");
+  refused("nothing.toml", 2, "cannot be read");
   refused("linear --kind spring --plot missing/a.svg", 2, "missing");
   CHECK_FALSE(std::filesystem::exists(folder.path() / "a.svg"));
 }
