@@ -76,8 +76,8 @@ std::uint32_t shape_of(Invariant shape) {
 struct FormulaComponent {
   explicit FormulaComponent(const LawFormula& given) : source(given), law(given) {
     formula::check_units(given);
-    describe(source.parameters, SPRINGNET_LEARNABLE | SPRINGNET_REQUIRED, parameters, parameter_list);
-    describe(source.inputs, 0, inputs, input_list);
+    describe(source.parameters, true, parameters, parameter_list);
+    describe(source.inputs, false, inputs, input_list);
     for (std::size_t k = 0; k < given.scalars.size(); ++k) {
       springnet_invariant& one = invariants.emplace_back(scalar_of(given.scalars[k]));
       if (!law.reads().value[k]) one.flags = SPRINGNET_REFERENCE_ONLY;
@@ -90,12 +90,13 @@ struct FormulaComponent {
     implementation.input_count = static_cast<std::uint32_t>(inputs.size());
     implementation.update_order = 1;
     implementation.inputs = input_list.data();
-    implementation.largest_stretch = std::numeric_limits<double>::infinity();
+    implementation.smallest_stretch = given.smallest_stretch;
+    implementation.largest_stretch = given.largest_stretch;
     implementation.context = &law;
     for (const FormulaState& each : source.states) {
-      springnet_parameter& state = states.emplace_back(number(each.name, each.unit));
+      springnet_parameter& state = states.emplace_back(number(each));
       state.default_value = each.start;
-      if (each.start != 0.0) state.scale = std::abs(each.start);
+      state.scale = formula::scale_of(each);
       state_list.push_back(&state);
     }
     implementation.state_count = static_cast<std::uint32_t>(states.size());
@@ -106,7 +107,10 @@ struct FormulaComponent {
         springnet_message* const message = update->batch->message;
         try {
           if (static_cast<const Law*>(context)->update(*update)) return SPRINGNET_OK;
-          if (message != nullptr) set_message(*message, "no internal state satisfies the equation of its step");
+          if (message != nullptr)
+            set_message(*message,
+                        "no internal state satisfies the equation of its step within the bounds "
+                        "that the law declares");
           return SPRINGNET_RECOVERABLE;
         } catch (const std::exception& error) {
           if (message != nullptr) set_message(*message, error.what());
@@ -114,15 +118,7 @@ struct FormulaComponent {
         }
       };
     }
-    implementation.evaluate = [](void* context, const springnet_law_batch* batch) noexcept -> springnet_status {
-      try {
-        static_cast<const Law*>(context)->evaluate(*batch);
-        return SPRINGNET_OK;
-      } catch (const std::exception& error) {
-        if (batch->message != nullptr) set_message(*batch->message, error.what());
-        return SPRINGNET_FAILED;
-      }
-    };
+    implementation.evaluate = evaluate;
     if (several) {
       implementation.shape = shape_of(given.shape);
       implementation.invariant_count = static_cast<std::uint32_t>(invariants.size());
@@ -133,16 +129,23 @@ struct FormulaComponent {
     component.kind = static_cast<std::uint32_t>(given.kind);
     component.id = "formula";
     component.reference = "";
-    summary = !given.force.empty() ? given.force : !given.energy.empty() ? "energy " + given.energy : "forces";
+    summary = given.summary;
+    if (summary.empty()) {
+      summary = !given.force.empty() ? given.force : !given.energy.empty() ? "energy " + given.energy : "forces";
+      if (summary.size() > 100) summary = "a formula";
+    }
     std::replace_if(
         summary.begin(), summary.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-    if (summary.size() > 100) summary = "a formula";
     component.summary = summary.c_str();
-    component.capabilities = SPRINGNET_ACTS_IN_COMPRESSION | SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES |
-                             SPRINGNET_HAS_PARAMETER_DERIVATIVES;
+    component.capabilities =
+        SPRINGNET_HAS_DERIVATIVES | SPRINGNET_HAS_ALL_DERIVATIVES | SPRINGNET_HAS_PARAMETER_DERIVATIVES;
     const auto declare = [&](bool has, std::uint64_t capability) {
       if (has) component.capabilities |= capability;
     };
+    declare(!given.pulls_only, SPRINGNET_ACTS_IN_COMPRESSION);
+    declare(given.monotone, SPRINGNET_MONOTONE);
+    declare(given.not_zero_at_rest, SPRINGNET_NOT_ZERO_AT_REST);
+    declare(given.adds_power, SPRINGNET_ADDS_POWER);
     declare(law.has_energy(), SPRINGNET_HAS_ENERGY);
     declare(law.has_margin(), SPRINGNET_HAS_RUPTURE);
     declare(reads.rate, SPRINGNET_READS_RATE);
@@ -163,6 +166,16 @@ struct FormulaComponent {
   FormulaComponent(const FormulaComponent&) = delete;
   FormulaComponent& operator=(const FormulaComponent&) = delete;
 
+  static springnet_status evaluate(void* context, const springnet_law_batch* batch) noexcept {
+    try {
+      static_cast<const Law*>(context)->evaluate(*batch);
+      return SPRINGNET_OK;
+    } catch (const std::exception& error) {
+      if (batch->message != nullptr) set_message(*batch->message, error.what());
+      return SPRINGNET_FAILED;
+    }
+  }
+
   LawFormula source;
   Law law;
   std::string summary;
@@ -176,29 +189,29 @@ struct FormulaComponent {
   springnet_plugin plugin{};
 
  private:
-  static springnet_parameter number(const std::string& name, const std::string& unit) {
+  // Of a parameter, an input or a state.
+  template <class Symbol>
+  static springnet_parameter number(const Symbol& symbol) {
     springnet_parameter result{};
     result.struct_size = sizeof result;
     result.type = SPRINGNET_NUMBER;
-    result.name = name.c_str();
-    result.unit = unit.empty() ? "1" : unit.c_str();
-    result.summary = "";
-    result.smallest = -std::numeric_limits<double>::infinity();
-    result.largest = std::numeric_limits<double>::infinity();
-    result.scale = 1.0;
+    result.name = symbol.name.c_str();
+    result.unit = symbol.unit.empty() ? "1" : symbol.unit.c_str();
+    result.summary = symbol.summary.c_str();
+    result.smallest = symbol.smallest;
+    result.largest = symbol.largest;
     return result;
   }
-  // flags: of those without a preset.
-  static void describe(const std::vector<FormulaSymbol>& symbols, std::uint32_t flags,
+  static void describe(const std::vector<FormulaSymbol>& symbols, bool are_parameters,
                        std::deque<springnet_parameter>& to, std::vector<const springnet_parameter*>& addresses) {
     for (const FormulaSymbol& each : symbols) {
-      springnet_parameter& parameter = to.emplace_back(number(each.name, each.unit));
-      parameter.flags = flags;
-      if (!std::isnan(each.preset)) {
-        parameter.flags &= ~std::uint32_t{SPRINGNET_REQUIRED};
-        parameter.default_value = each.preset;
-        if (each.preset != 0.0) parameter.scale = std::abs(each.preset);
-      }
+      springnet_parameter& parameter = to.emplace_back(number(each));
+      const bool has_preset = !std::isnan(each.preset);
+      if (are_parameters && each.learnable) parameter.flags |= SPRINGNET_LEARNABLE;
+      if (are_parameters && !has_preset) parameter.flags |= SPRINGNET_REQUIRED;
+      if (each.excludes_smallest) parameter.flags |= SPRINGNET_EXCLUDES_SMALLEST;
+      if (has_preset) parameter.default_value = each.preset;
+      parameter.scale = formula::scale_of(each);
       addresses.push_back(&parameter);
     }
   }
@@ -211,6 +224,13 @@ std::vector<std::string> parameters_of(const LawFormula& formula) { return formu
 std::shared_ptr<const Component> component_of(const LawFormula& formula) {
   const auto owner = std::make_shared<const FormulaComponent>(formula);
   return std::make_shared<const Component>(Component{&owner->component, &owner->plugin, {}, owner});
+}
+
+const LawFormula* formula_of(const Component& component) {
+  const ComponentKind kind = component.kind();
+  if (kind != ComponentKind::spring_function && kind != ComponentKind::viscosity_function) return nullptr;
+  if (component.law().evaluate != FormulaComponent::evaluate) return nullptr;
+  return &static_cast<const FormulaComponent*>(component.owner.get())->source;
 }
 
 LawUse law_of(const LawFormula& formula, const ParameterValues& parameters) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -76,6 +77,7 @@ class Evaluation {
       case Operation::number:
         return algebra_.constant(term.number);
       case Operation::name:
+        if (term.name == "nan") return algebra_.constant(std::numeric_limits<double>::quiet_NaN());
         if (term.name == "pi") return algebra_.constant(3.14159265358979323846);
         return meaning(symbols_.meaning_of(formula, term), symbols_.layout());
       case Operation::negative:

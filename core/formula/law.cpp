@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -32,8 +33,7 @@ struct Parsed {
 };
 std::vector<Parsed> parse_all(const LawFormula& law) {
   std::vector<Parsed> result;
-  for (const NamedFormula& each : formulas_of(law))
-    result.push_back({each.what, at(each.what, [&] { return parse(*each.text); })});
+  for (const NamedFormula& each : formulas_of(law)) result.push_back({each.what, parse_named(each)});
   return result;
 }
 const Parsed* find(const std::vector<Parsed>& all, std::string_view what) {
@@ -64,6 +64,16 @@ void fail_unknown_function(const Expression& formula, const Term& term) {
   const std::string nearest = suggestion(term.name, function_names());
   fail_at(formula.text, term.place,
           fmt::format("there is no function '{}'{}{}", printable(term.name), nearest.empty() ? "" : "; ", nearest));
+}
+
+double scale_of(const FormulaSymbol& symbol) {
+  if (!std::isnan(symbol.scale)) return symbol.scale;
+  return std::isnan(symbol.preset) || symbol.preset == 0.0 ? 1.0 : std::abs(symbol.preset);
+}
+
+double scale_of(const FormulaState& state) {
+  if (!std::isnan(state.scale)) return state.scale;
+  return state.start == 0.0 ? 1.0 : std::abs(state.start);
 }
 
 Law::CurvesOf::CurvesOf(const std::vector<FormulaCurve>& curves) {
@@ -177,6 +187,9 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
                               max_states, max_parameters_beside_states, max_inputs_beside_states, law.states.size(),
                               law.parameters.size(), law.inputs.size()));
   }
+  for (const FormulaState& each : law.states)
+    states_.push_back(sdk::number("", "", "").at_least(each.smallest).at_most(each.largest).learnable(scale_of(each)));
+  smooth_rates_ = law.smooth_rates;
   const std::vector<Parsed> all = parse_all(law);
   std::vector<const Parsed*> forces;
   for (const Parsed& each : all)
@@ -215,6 +228,8 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
   if (reads_.rate && energy != nullptr && forces.empty())
     throw Error(ErrorKind::input,
                 "energy: an energy does not depend on rates; write what they do as a force of its own");
+  if (law.smooth_rates && law.states.empty())
+    throw Error(ErrorKind::input, "'smooth rates' are declared of states, and the law has none; remove that");
   tangent_columns_ = layout_.invariants * (reads_.rate ? 2 : 1);
 
   force_ = quantity(layout_.invariants, tangent_columns_, [&](const auto& algebra, const auto& argument) {

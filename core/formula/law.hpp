@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <springnet/formula.hpp>
+#include <springnet/sdk/metadata.hpp>
 #include <springnet/sdk/table.hpp>
 
 #include "formula/program.hpp"
@@ -17,6 +18,10 @@ namespace springnet::formula {
 inline constexpr std::size_t max_parameters = 32, max_inputs = 8;
 // Of a law with states (state_steps.cpp).
 inline constexpr std::size_t max_states = 2, max_parameters_beside_states = 8, max_inputs_beside_states = 2;
+
+// The typical magnitude that a component declares.
+[[nodiscard]] double scale_of(const FormulaSymbol& symbol);
+[[nodiscard]] double scale_of(const FormulaState& state);
 
 class Law {
  public:
@@ -30,6 +35,8 @@ class Law {
   [[nodiscard]] bool has_margin() const { return margin_.rows == 1; }
   [[nodiscard]] const sdk::JacobianLayout& layout() const { return layout_; }
   [[nodiscard]] const Curves& curves() const { return curves_; }
+  // Bounds and scale of each state.
+  [[nodiscard]] const std::vector<sdk::Parameter>& states() const { return states_; }
   // As lists of steps: outputs are the force, the energy, the margin, or the rates of all states.
   [[nodiscard]] const Program& force() const { return force_.values; }
   [[nodiscard]] const Program& energy() const { return energy_.values; }
@@ -72,6 +79,8 @@ class Law {
   bool several_ = false;
   std::size_t tangent_columns_ = 1;
   Reads reads_;
+  std::vector<sdk::Parameter> states_;
+  bool smooth_rates_ = false;
   CurvesOf curves_;
   Quantity force_, energy_, margin_, rates_;
 };

@@ -3,6 +3,7 @@
 // there as zeros.
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include <springnet/sdk/law.hpp>
@@ -10,10 +11,14 @@
 #include "formula/element.hpp"
 #include "formula/law.hpp"
 
-namespace springnet::formula {
+namespace springnet {
+namespace formula {
 namespace {
 
 constexpr std::size_t P = max_parameters_beside_states, I = max_inputs_beside_states;
+
+// Bounds and scales of the states of the law whose step the thread makes.
+thread_local std::span<const sdk::Parameter> states_of_step;
 
 template <std::size_t count>
 constexpr std::array<sdk::Parameter, count> numbers() {
@@ -22,11 +27,12 @@ constexpr std::array<sdk::Parameter, count> numbers() {
   return result;
 }
 
-template <std::size_t S>
+// smooth: the law declares smooth_rates.
+template <std::size_t S, bool smooth>
 struct Stepped : sdk::SpringFunction {
   using has = sdk::Has<sdk::Energy, sdk::Margin>;
   static constexpr const char *id = "formula", *summary = "";
-  static constexpr bool reads_rate = true, reads_time = true;
+  static constexpr bool reads_rate = true, reads_time = true, smooth_rates = smooth;
   static constexpr std::array<sdk::Parameter, P> parameters = numbers<P>();
   static constexpr std::array<sdk::Parameter, I> inputs = numbers<I>();
   static constexpr std::array<sdk::Parameter, S> states = numbers<S>();
@@ -81,6 +87,24 @@ struct Stepped : sdk::SpringFunction {
   }
 };
 
+// The traits of a law whose states are as its class declares them.
+template <std::size_t S, bool smooth>
+struct AsDeclared : Stepped<S, smooth> {};
+
+}  // namespace
+}  // namespace formula
+
+// Those of a formula, whose states have bounds of their own.
+template <std::size_t S, bool smooth>
+struct sdk::LawTraits<formula::Stepped<S, smooth>> : sdk::LawTraits<formula::AsDeclared<S, smooth>> {
+  struct StateList {
+    static std::span<const Parameter> get() { return formula::states_of_step; }
+  };
+};
+
+namespace formula {
+namespace {
+
 // The same update with fixed numbers of parameters and inputs.
 template <std::size_t S>
 class Widened {
@@ -110,7 +134,7 @@ class Widened {
       std::copy_n(from.force_by_parameters, own.parameters, by_parameters_.begin());
       batch_.force_by_parameters = by_parameters_.data();
     }
-    constexpr sdk::JacobianLayout wide = Stepped<S>::layout;
+    constexpr sdk::JacobianLayout wide = Stepped<S, false>::layout;
     if (from.derivatives != nullptr) {
       matrix_.assign(wide.rows() * wide.columns(true), nullptr);
       for (std::size_t row = 0; row < own.rows(); ++row)
@@ -136,7 +160,7 @@ class Widened {
 
  private:
   static std::size_t widened(std::size_t column, const sdk::JacobianLayout& own) {
-    constexpr sdk::JacobianLayout wide = Stepped<S>::layout;
+    constexpr sdk::JacobianLayout wide = Stepped<S, false>::layout;
     if (column < own.state(0)) return column;  // the value, its rate and reference, parameters
     if (column < own.input(0)) return wide.state(column - own.state(0));
     if (column < own.time()) return wide.input(column - own.input(0));
@@ -155,12 +179,13 @@ class Widened {
   std::vector<double*> matrix_;
 };
 
-template <std::size_t S>
+template <std::size_t S, bool smooth>
 bool step(const Law& law, const springnet_law_update& given) {
   const Widened<S> widened(given, law.layout());
-  Stepped<S> stepped;
+  Stepped<S, smooth> stepped;
   stepped.law = &law;
-  using Kernel = sdk::UpdateKernel<Stepped<S>>;
+  states_of_step = law.states();
+  using Kernel = sdk::UpdateKernel<Stepped<S, smooth>>;
   bool found = true;
   Kernel::run(typename Kernel::Call{&stepped, &widened.update(), SPRINGNET_GENERIC, &found});
   if (found && given.batch->derivatives != nullptr) found = Kernel::run_matrix(stepped, widened.update());
@@ -170,12 +195,9 @@ bool step(const Law& law, const springnet_law_update& given) {
 }  // namespace
 
 bool Law::update(const springnet_law_update& given) const {
-  switch (layout_.states) {
-    case 1:
-      return step<1>(*this, given);
-    default:
-      return step<2>(*this, given);
-  }
+  if (layout_.states == 1) return smooth_rates_ ? step<1, true>(*this, given) : step<1, false>(*this, given);
+  return smooth_rates_ ? step<2, true>(*this, given) : step<2, false>(*this, given);
 }
 
-}  // namespace springnet::formula
+}  // namespace formula
+}  // namespace springnet

@@ -28,7 +28,7 @@ constexpr OwnName of_one[] = {{"e", "the value less its reference"},
                               {"speed", "of both ends relative to each other, m/s"},
                               {"rate", "of the value, per second"},
                               {"strain_rate", "rate / reference"}};
-constexpr std::string_view of_all[] = {"time", "pi"};
+constexpr std::string_view of_all[] = {"time", "pi", "nan"};
 constexpr std::string_view directions[] = {"direction_0", "direction_1", "direction_2"};
 
 // several: of a law over several scalars, which have names of their own.
@@ -63,6 +63,14 @@ std::vector<NamedFormula> formulas_of(const LawFormula& law) {
   if (!law.margin.empty()) result.push_back({"margin", &law.margin});
   for (const FormulaState& each : law.states) result.push_back({"rate of " + each.name, &each.rate});
   return result;
+}
+
+Expression parse_named(const NamedFormula& formula) {
+  try {
+    return parse(*formula.text);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: {}", formula.what, error.what()));
+  }
 }
 
 Symbols::Symbols(const LawFormula& law)
@@ -202,7 +210,7 @@ void Symbols::fail_unknown(const Expression& formula, const Term& term) const {
 std::vector<std::string> free_names(const LawFormula& law) {
   std::vector<std::string> names;
   for (const NamedFormula& each : formulas_of(law)) {
-    const Expression formula = parse(*each.text);
+    const Expression formula = parse_named(each);
     for (const Term& term : formula.terms) {
       if (term.operation != Operation::name || is_own_name(term.name, !law.scalars.empty())) continue;
       if (index_of(law.inputs, term.name) >= 0 || index_of(law.curves, term.name) >= 0 ||

@@ -71,5 +71,7 @@ struct NamedFormula {
   const std::string* text;
 };
 [[nodiscard]] std::vector<NamedFormula> formulas_of(const LawFormula& law);
+// Messages begin with what it is.
+[[nodiscard]] Expression parse_named(const NamedFormula& formula);
 
 }  // namespace springnet::formula

@@ -134,6 +134,7 @@ class Checker {
   [[nodiscard]] Known of_name(const std::string& name) const {
     const Unit per_time{0, 0, -1};
     if (name == "time") return Unit{0, 0, 1};
+    if (name == "nan") return std::nullopt;
     if (name == "pi" || name.starts_with("direction_")) return none;
     for (const auto* list : {&law_.parameters, &law_.inputs})
       for (const FormulaSymbol& each : *list)

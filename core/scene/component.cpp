@@ -12,7 +12,6 @@
 #include "layers/law_fit.hpp"
 #include "layers/prepared.hpp"
 #include "plugin_host/law_use.hpp"
-#include "scene/formula.hpp"
 #include "scene/law_tables.hpp"
 
 namespace springnet::scene {
@@ -105,10 +104,12 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
 }
 
 LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
-                const Files& files, LawIsFor purpose, std::optional<Invariant> shape) {
+                const Files& files, LawIsFor purpose, std::optional<Invariant> shape,
+                const std::vector<MaterialParameter>& given) {
   const Table table = law.open_table(schema);
   const bool is_formula = is_formula_of(table);
-  LawUse use = is_formula ? read_formula(table, kind, shape) : read_component(table, "type", kind, plugins, files);
+  LawUse use =
+      is_formula ? read_formula(table, kind, files, shape, given) : read_component(table, "type", kind, plugins, files);
   if (purpose == LawIsFor::springs) {
     const std::string wrong = layers::misfit(*component_of(use, kind, plugins));
     if (!wrong.empty()) (is_formula ? table.value() : table.need("type")).fail(fmt::format("'{}' {}", use.id, wrong));

@@ -11,6 +11,7 @@
 #include <springnet/plugin_host.hpp>
 
 #include "scene/files.hpp"
+#include "scene/formula.hpp"
 #include "scene/reader.hpp"
 
 namespace springnet::scene {
@@ -26,12 +27,13 @@ namespace springnet::scene {
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});
 
-// `shape`: that of the elements of a law over several scalars.
+// `shape`: that of the elements of a law over several scalars; `given`: see read_formula().
 // A law under the key of a table, by its name or as a formula, for springs, or for elements that are checked when they
 // are known (check_elements).
 enum class LawIsFor : std::uint8_t { springs, elements };
 [[nodiscard]] LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
-                              const Files& files, LawIsFor purpose, std::optional<Invariant> shape = {});
+                              const Files& files, LawIsFor purpose, std::optional<Invariant> shape = {},
+                              const std::vector<MaterialParameter>& given = {});
 // The functions under the keys `spring` and `viscosity` of a table; both are optional.
 [[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins, const Files& files,
                                      LawIsFor purpose, std::optional<Invariant> shape = {});

@@ -13,10 +13,10 @@
 namespace springnet::scene {
 namespace {
 
-// The law named by body.material.law, if it reads several scalars.
+// The law named by body.material.law, if it reads several scalars. Not of a formula.
 std::shared_ptr<const Component> element_law(const Table& material, const PluginHost& plugins) {
   const auto law = material.find("law");
-  if (!law) return nullptr;
+  if (!law || (!law->is_text() && is_formula_of(law->open_table("body.material.law")))) return nullptr;
   const std::string id = law->is_text() ? law->text() : law->open_table("body.material.law").need("type").text();
   std::shared_ptr<const Component> component;
   try {
@@ -44,13 +44,31 @@ struct Reader {
   // The material's constants that the law has.
   [[nodiscard]] ParameterValues constants(const Component& law) const {
     ParameterValues values;
-    if (has_parameter(law, "youngs_modulus")) values["youngs_modulus"] = number(table, "youngs_modulus", "Pa");
-    if (has_parameter(law, "poisson_ratio")) values["poisson_ratio"] = poisson_ratio();
+    for (const MaterialParameter& each : parameters())
+      if (has_parameter(law, each.name)) values.emplace(each.name, each.value());
+    refuse_others(law);
+    return values;
+  }
+  [[nodiscard]] std::vector<MaterialParameter> parameters() const {
+    return {{"youngs_modulus", "Pa", [this] { return number(table, "youngs_modulus", "Pa"); }},
+            {"poisson_ratio", "1", [this] { return poisson_ratio(); }},
+            {"thickness", "m", [this] { return number(body, "thickness", "m"); }}};
+  }
+  void refuse_others(const Component& law) const {
     for (const char* key : {"youngs_modulus", "poisson_ratio"})
       if (!has_parameter(law, key) && table.has(key) && !table.has("damping_time"))
         table.need(key).fail(fmt::format("has no meaning for '{}', which has no such parameter; remove it", law.id()));
-    if (has_parameter(law, "thickness")) values["thickness"] = number(body, "thickness", "m");
-    return values;
+  }
+  // If the law is a formula over several scalars.
+  [[nodiscard]] std::optional<LawUse> formula() const {
+    const auto value = table.find("law");
+    if (!value || !value->is_table()) return std::nullopt;
+    const Table own = value->open_table("body.material.law");
+    const std::optional<Invariant> shape = is_formula_of(own) ? shape_of_formula(own) : std::nullopt;
+    if (!shape) return std::nullopt;
+    LawUse use = read_formula(own, ComponentKind::spring_function, files, shape, parameters());
+    refuse_others(*use.component);
+    return use;
   }
   [[nodiscard]] double poisson_ratio() const {
     const Value value = table.need("poisson_ratio");
@@ -99,7 +117,9 @@ std::optional<ElementMaterial> read_element_material(const Table& body, const Pl
   const auto value = body.find("material");
   if (!value) return std::nullopt;
   const Table table = value->table("body.material");
-  const std::shared_ptr<const Component> component = element_law(table, plugins);
+  const Reader reader{body, table, plugins, files};
+  const std::optional<LawUse> formula = reader.formula();
+  const std::shared_ptr<const Component> component = formula ? formula->component : element_law(table, plugins);
   if (component == nullptr) {
     for (const char* key : {"direction", "bending"})
       if (const auto own = table.find(key))
@@ -117,7 +137,6 @@ std::optional<ElementMaterial> read_element_material(const Table& body, const Pl
     spring->fail("cannot be combined with 'material', which says what the body is made of; remove one");
   if (const auto scale = body.find("rest_length_scale"))
     scale->fail("has no meaning for a body of elements; use an [[element]] with reference_scale");
-  const Reader reader{body, table, plugins, files};
   const auto direction = table.find("direction");
   if (direction) {
     result.direction = direction->vector();
@@ -128,7 +147,7 @@ std::optional<ElementMaterial> read_element_material(const Table& body, const Pl
   } else if (description.reads_direction != 0) {
     table.fail(fmt::format("has no 'direction', which '{}' reads; add direction = [x, y, z]", component->id()));
   }
-  result.material = network.add_material({reader.law(*component), reader.viscosity(result.shape)});
+  result.material = network.add_material({formula ? *formula : reader.law(*component), reader.viscosity(result.shape)});
   const auto bending = table.find("bending");
   if (bending && bending->boolean()) {
     if (result.shape != Invariant::triangle) bending->fail("has no meaning for solids; remove it");

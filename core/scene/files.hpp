@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <springnet/scene.hpp>
+#include <springnet/scene_formulas.hpp>
 
 #include "scene/csv_columns.hpp"
 #include "scene/reader.hpp"
@@ -21,6 +22,7 @@ struct Files {
   OutsideFiles outside = OutsideFiles::refused;
   LoadingCallback loading{};  // empty: nothing is told
   std::shared_ptr<CsvFiles> csv = std::make_shared<CsvFiles>();
+  std::vector<SceneFormula>* formulas = nullptr;  // gets every law that is read as a formula; null: not wanted
 
   // Resolves a path of the scene relative to its folder. Every reader of a file uses this. Throws Error(input) if the
   // path leads out of the folder, by "..", a link or an absolute path, unless that is allowed.

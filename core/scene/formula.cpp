@@ -2,38 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include <springnet/formula.hpp>
 
+#include "scene/formula_numbers.hpp"
+
 namespace springnet::scene {
 namespace {
 
-constexpr std::array<std::string_view, 7> own_keys{"formula", "energy", "margin", "inputs",
-                                                   "curves",  "states", "scalars"};
+constexpr std::array<std::string_view, 10> own_keys{"formula", "energy",  "margin",  "inputs",   "curves",
+                                                    "states",  "scalars", "stretch", "declares", "summary"};
 constexpr std::size_t most_points = 100'000;
-
-// A number, or a text of a number and its unit.
-struct Quantity {
-  double value;
-  std::string unit;  // empty: not given
-};
-Quantity read_quantity(const Value& value) {
-  if (!value.is_text()) return {value.number(), ""};
-  const std::string text = value.text();
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || !std::isfinite(number))
-    value.fail("must be a number, or a number and its unit, as \"3 N/m\"");
-  std::string unit(end, text.data() + text.size());
-  unit.erase(0, unit.find_first_not_of(' '));
-  if (unit.empty()) value.fail("has no unit after the number; write \"3 N/m\", or the number without quotes");
-  return {number, unit};
-}
 
 void read_inputs(const Value& inputs, LawFormula& law) {
   if (inputs.is_list()) {
@@ -42,8 +24,9 @@ void read_inputs(const Value& inputs, LawFormula& law) {
   }
   const Table table = inputs.open_table("inputs");
   for (const std::string& name : table.keys()) {
-    const Quantity preset = read_quantity(*table.find_parameter(name));
-    law.inputs.push_back({name, preset.unit, preset.value});
+    NumberOfFormula input = read_number(name, *table.find_parameter(name), false);
+    input.symbol.preset = input.value;
+    law.inputs.push_back(std::move(input.symbol));
   }
 }
 
@@ -62,25 +45,59 @@ void read_curves(const Value& curves, LawFormula& law) {
   }
 }
 
-// { name = { rate = "…", start = 0.0 } }
-void read_states(const Value& states, LawFormula& law) {
-  const Table table = states.open_table("states");
-  for (const std::string& name : table.keys()) {
-    const Value value = *table.find_parameter(name);
-    const Table own = value.open_table("state");
-    FormulaState state{name, "", 0.0, ""};
-    const auto rate = own.find_parameter("rate");
-    if (!rate) value.fail("has no 'rate'; write { rate = \"…\", start = 0.0 }");
-    state.rate = rate->prose();
-    if (const auto start = own.find_parameter("start")) {
-      const Quantity quantity = read_quantity(*start);
-      state.start = quantity.value;
-      state.unit = quantity.unit;
-    }
-    for (const std::string& key : own.keys())
-      if (key != "rate" && key != "start")
-        own.find_parameter(key)->fail("is no key of a state, which has 'rate' and 'start'; remove it");
-    law.states.push_back(std::move(state));
+void read_scalars(const Value& scalars, LawFormula& law) {
+  const Table list = scalars.open_table("scalars");
+  for (const std::string& name : list.keys()) law.scalars.push_back({name, list.find_parameter(name)->text()});
+  if (law.scalars.empty()) scalars.fail("lists none; write scalars = { a = \"length(0, 1)\", … }");
+}
+
+// [smallest, largest]
+void read_stretch(const Value& stretch, LawFormula& law) {
+  if (!stretch.is_list()) stretch.wrong_type("two numbers [smallest, largest]");
+  const std::vector<Value> bounds = stretch.elements(2);
+  law.smallest_stretch = bounds[0].number();
+  law.largest_stretch = bounds[1].coordinate();
+  if (!(law.smallest_stretch < law.largest_stretch))
+    bounds[1].fail(
+        fmt::format("must be above the smallest stretch, {}, is {}", law.smallest_stretch, law.largest_stretch));
+}
+
+void read_promises(const Value& declares, LawFormula& law) {
+  static const std::vector<std::string> words{"pulls only", "monotone", "not zero at rest", "adds power",
+                                              "smooth rates"};
+  bool* const promises[] = {&law.pulls_only, &law.monotone, &law.not_zero_at_rest, &law.adds_power, &law.smooth_rates};
+  for (const Value& each : declares.elements()) {
+    bool& promise = *promises[each.choice(words)];
+    if (promise) each.fail("is listed twice; remove one");
+    promise = true;
+    if (&promise == &law.smooth_rates && law.states.empty())
+      each.fail("has no meaning for a law without 'states'; remove it");
+  }
+}
+
+void read_forces(const Value& formula, LawFormula& law) {
+  const Table forces = formula.open_table("formula");
+  for (const FormulaScalar& scalar : law.scalars) {
+    const auto force = forces.find_parameter(scalar.name);
+    law.forces.push_back(force ? force->prose() : "0");
+  }
+  for (const std::string& name : forces.keys())
+    if (std::none_of(law.scalars.begin(), law.scalars.end(), [&](const auto& each) { return each.name == name; }))
+      forces.find_parameter(name)->fail("'scalars' has no such name; list it there, or correct it");
+}
+
+// Those that the formulas name. Their units count if the law's own parameters have units.
+void add_given(const Table& table, const Value& place, const std::vector<MaterialParameter>& given, LawFormula& law,
+               ParameterValues& values) {
+  if (given.empty()) return;
+  const std::vector<std::string> names = place.at_this_place([&] { return parameters_of(law); });
+  const bool has_units = std::any_of(law.parameters.begin(), law.parameters.end(),
+                                     [](const FormulaSymbol& each) { return !each.unit.empty(); });
+  for (const MaterialParameter& each : given) {
+    if (const auto own = table.find_parameter(each.name)) own->fail("is set by the material here; remove it");
+    if (std::find(names.begin(), names.end(), each.name) == names.end()) continue;
+    law.parameters.push_back({each.name, has_units ? each.unit : ""});
+    values.emplace(each.name, each.value());
   }
 }
 
@@ -91,13 +108,24 @@ bool is_formula_of(const Table& table) {
          (table.find_parameter("energy").has_value() && !table.find_parameter("type").has_value());
 }
 
-LawUse read_formula(const Table& table, ComponentKind kind, std::optional<Invariant> shape) {
+std::optional<Invariant> shape_of_formula(const Table& table) {
+  const auto scalars = table.find_parameter("scalars");
+  if (!scalars) return std::nullopt;
+  LawFormula law;
+  read_scalars(*scalars, law);
+  const auto has_fourth = [](const FormulaScalar& each) { return each.of.find('3') != std::string::npos; };
+  return std::any_of(law.scalars.begin(), law.scalars.end(), has_fourth) ? Invariant::tetrahedron : Invariant::triangle;
+}
+
+LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, std::optional<Invariant> shape,
+                    const std::vector<MaterialParameter>& given) {
   if (const auto type = table.find_parameter("type"))
     type->fail("cannot be combined with 'formula'; remove one of them");
   LawFormula law;
   law.kind = kind;
   const auto formula = table.find_parameter("formula");
   const auto scalars = table.find_parameter("scalars");
+  const auto stretch = table.find_parameter("stretch");
   if (scalars && !shape)
     scalars->fail(
         "has no meaning here; laws over several scalars are for elements of the invariants chain, triangle, "
@@ -105,37 +133,34 @@ LawUse read_formula(const Table& table, ComponentKind kind, std::optional<Invari
   if (shape) law.shape = *shape;
   if (shape && !scalars)
     table.fail("has no 'scalars', which say what the formula reads; add scalars = { a = \"length(0, 1)\", … }");
-  if (scalars) {
-    const Table list = scalars->open_table("scalars");
-    for (const std::string& name : list.keys()) law.scalars.push_back({name, list.find_parameter(name)->text()});
-    if (law.scalars.empty()) scalars->fail("lists none; write scalars = { a = \"length(0, 1)\", … }");
-  }
-  if (formula && shape) {
-    const Table forces = formula->open_table("formula");
-    for (const FormulaScalar& scalar : law.scalars) {
-      const auto force = forces.find_parameter(scalar.name);
-      law.forces.push_back(force ? force->prose() : "0");
-    }
-    for (const std::string& name : forces.keys())
-      if (std::none_of(law.scalars.begin(), law.scalars.end(), [&](const auto& each) { return each.name == name; }))
-        forces.find_parameter(name)->fail("'scalars' has no such name; list it there, or correct it");
-  } else if (formula) {
+  if (scalars) read_scalars(*scalars, law);
+  if (formula && shape)
+    read_forces(*formula, law);
+  else if (formula)
     law.force = formula->prose();
-  }
   if (const auto energy = table.find_parameter("energy")) law.energy = energy->prose();
   if (const auto margin = table.find_parameter("margin")) law.margin = margin->prose();
   if (const auto inputs = table.find_parameter("inputs")) read_inputs(*inputs, law);
-  if (const auto states = table.find_parameter("states")) read_states(*states, law);
+  if (const auto states = table.find_parameter("states")) law.states = read_states(*states);
   if (const auto curves = table.find_parameter("curves")) read_curves(*curves, law);
+  if (stretch && shape) stretch->fail("has no meaning for a law over several scalars; remove it");
+  if (stretch) read_stretch(*stretch, law);
+  if (const auto declares = table.find_parameter("declares")) read_promises(*declares, law);
+  if (const auto summary = table.find_parameter("summary")) law.summary = summary->text();
   ParameterValues values;
   for (const std::string& name : table.keys()) {
     if (std::find(own_keys.begin(), own_keys.end(), name) != own_keys.end()) continue;
-    const Quantity quantity = read_quantity(*table.find_parameter(name));
-    law.parameters.push_back({name, quantity.unit});
-    values.emplace(name, quantity.value);
+    NumberOfFormula parameter = read_number(name, *table.find_parameter(name), true);
+    law.parameters.push_back(std::move(parameter.symbol));
+    values.emplace(name, parameter.value);
   }
   const Value place = formula ? *formula : *table.find_parameter("energy");
-  return place.at_this_place([&] { return law_of(law, values); });
+  add_given(table, place, given, law, values);
+  LawUse use = place.at_this_place([&] { return law_of(law, values); });
+  if (stretch && use.component->law().invariant == SPRINGNET_RELATIVE_SPEED)
+    stretch->fail("has no meaning for a law of the relative speed; remove it");
+  if (files.formulas != nullptr) files.formulas->push_back({table.value().path(), use, 0.0});
+  return use;
 }
 
 }  // namespace springnet::scene

@@ -44,9 +44,15 @@ Springs read_springs(const Table& body, const Table& table, const PluginHost& pl
     springs.material.spring = LawUse{"linear", supplied};
   } else if (law->is_text()) {
     springs.material.spring = read_component_name(*law, ComponentKind::spring_function, plugins, supplied);
+  } else if (const Table own = law->open_table("body.material.law"); is_formula_of(own)) {
+    springs.material.spring = read_law(*law, "body.material.law", ComponentKind::spring_function, plugins, files,
+                                       LawIsFor::springs, {}, {{stiffness, "N/m", [] { return 1.0; }}});
+    if (!springs.material.spring->parameters.contains(stiffness))
+      law->fail(
+          "does not read 'stiffness' (N/m), which the material gives to each spring; write it, as in "
+          "formula = \"stiffness*e\"");
   } else {
-    springs.material.spring = read_component(law->open_table("body.material.law"), "type",
-                                             ComponentKind::spring_function, plugins, files, supplied);
+    springs.material.spring = read_component(own, "type", ComponentKind::spring_function, plugins, files, supplied);
   }
   if (const auto time = table.find("damping_time")) {
     springs.damping_time = time->number_from_0("s");

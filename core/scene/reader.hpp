@@ -47,6 +47,7 @@ class Value {
   [[nodiscard]] bool is_text() const noexcept { return node_->is_string(); }
   [[nodiscard]] bool is_boolean() const noexcept { return node_->is_boolean(); }
   [[nodiscard]] bool is_number() const noexcept { return node_->is_number(); }
+  [[nodiscard]] bool is_table() const noexcept { return node_->is_table(); }
   [[nodiscard]] bool is_list() const noexcept { return node_->is_array(); }
   [[nodiscard]] std::vector<Value> elements() const;
   [[nodiscard]] std::vector<Value> elements(std::size_t count) const;  // exactly so many

@@ -1,9 +1,12 @@
 #include <springnet/scene.hpp>
 
+#include <optional>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include <springnet/scene_formulas.hpp>
 #include <springnet/version.hpp>
 
 #include "scene/component.hpp"
@@ -20,6 +23,13 @@ namespace {
 
 // The version that this library reads. It increases when a valid scene would be refused or change its meaning.
 constexpr std::int64_t scene_version = 1;
+
+// Where a scene's files are. Something other than a file, as a pipe, has no folder with meshes.
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(file, unknown)) return {};
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
 
 void check_version(const Table& root) {
   const auto version = root.find("version");
@@ -51,44 +61,72 @@ void read_simulation(const Table& root, const PluginHost& plugins, const Files& 
   if (const auto renumber = table.find("renumber")) options.renumber = renumber->boolean();
 }
 
+Scene read_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
+                 const std::vector<SceneOverride>& overrides, const Files& files) {
+  const std::string document(name.empty() ? "scene" : name);
+  const toml::table content = parse_document(text, document, overrides);
+  const Table root = Value(content, "", document).open_table("");
+  check_version(root);  // before keys: a newer version may have more of them
+  root.check_keys();
+
+  Scene result;
+  if (const auto title = root.find("title")) result.title = title->prose();
+  read_simulation(root, plugins, files, result);
+  if (const auto gravity = root.find("gravity")) {
+    result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
+  }
+  const std::vector<Shape> shapes = read_bodies(root, plugins, files, result);
+  read_connections(root, plugins, files, result);
+  read_elements(root, plugins, files, shapes, result);
+  read_changes(root, plugins, files, shapes, result);
+  read_surroundings(root, result);
+  read_inputs(root, plugins, files, result);
+  read_starts(root, files, result.network);
+  read_output(root, plugins, result);
+  return result;
+}
+
 }  // namespace
 }  // namespace scene
 
 Scene parse_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
                   const std::vector<SceneOverride>& overrides, const std::filesystem::path& folder,
                   OutsideFiles outside, const LoadingCallback& loading) {
-  const std::string document(name.empty() ? "scene" : name);
-  const toml::table content = scene::parse_document(text, document, overrides);
-  const scene::Table root = scene::Value(content, "", document).open_table("");
-  scene::check_version(root);  // before keys: a newer version may have more of them
-  root.check_keys();
-
-  const scene::Files files{folder, outside, loading};
-  Scene result;
-  if (const auto title = root.find("title")) result.title = title->prose();
-  scene::read_simulation(root, plugins, files, result);
-  if (const auto gravity = root.find("gravity")) {
-    result.network.set_gravity(gravity->table("gravity").need("acceleration").vector());
-  }
-  const std::vector<scene::Shape> shapes = scene::read_bodies(root, plugins, files, result);
-  scene::read_connections(root, plugins, files, result);
-  scene::read_elements(root, plugins, files, shapes, result);
-  scene::read_changes(root, plugins, files, shapes, result);
-  scene::read_surroundings(root, result);
-  scene::read_inputs(root, plugins, files, result);
-  scene::read_starts(root, files, result.network);
-  scene::read_output(root, plugins, result);
-  return result;
+  return scene::read_scene(text, name, plugins, overrides, {folder, outside, loading});
 }
 
 Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
                  const std::vector<SceneOverride>& overrides, OutsideFiles outside, const LoadingCallback& loading) {
-  const std::string text = scene::read_scene_text(file);
-  // Something other than a file, as a pipe, has no folder with meshes.
-  std::error_code unknown;
-  std::filesystem::path folder;
-  if (std::filesystem::is_regular_file(file, unknown)) folder = file.has_parent_path() ? file.parent_path() : ".";
-  return parse_scene(text, file.string(), plugins, overrides, folder, outside, loading);
+  return scene::read_scene(scene::read_scene_text(file), file.string(), plugins, overrides,
+                           {scene::folder_of(file), outside, loading});
+}
+
+std::vector<SceneFormula> find_formulas(const std::filesystem::path& file, const PluginHost& plugins,
+                                        const std::vector<SceneOverride>& overrides) {
+  std::vector<SceneFormula> formulas;
+  scene::Files files{scene::folder_of(file)};
+  files.formulas = &formulas;
+  const Scene whole = scene::read_scene(scene::read_scene_text(file), file.string(), plugins, overrides, files);
+  const Network& network = whole.network;
+  // What the material gives differs between springs: that of the first counts.
+  std::vector<bool> is_seen(network.materials().size(), false), is_found(formulas.size(), false);
+  const auto find_in = [&](const auto& users, const auto& reference) {
+    for (const auto& user : users) {
+      if (is_seen[user.material]) continue;
+      is_seen[user.material] = true;
+      const Material& material = network.materials()[user.material];
+      for (const std::optional<LawUse>* law : {&material.spring, &material.viscosity})
+        for (std::size_t k = 0; *law && k < formulas.size(); ++k) {
+          if (is_found[k] || (*law)->component != formulas[k].law.component) continue;
+          is_found[k] = true;
+          formulas[k].law.parameters = (*law)->parameters;
+          formulas[k].reference = reference(user);
+        }
+    }
+  };
+  find_in(network.springs(), [](const Spring& spring) { return spring.rest_length; });
+  find_in(network.elements(), [](const Element& element) { return element.reference; });
+  return formulas;
 }
 
 }  // namespace springnet

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <springnet/printable.hpp>
+#include <springnet/scene_formulas.hpp>
 #include <springnet/suggestion.hpp>
 
 #include "commands.hpp"
@@ -159,22 +160,25 @@ Json json_of(const Component& component) {
   for (const springnet_parameter* state : states_of(component)) states.push_back(json_of(*state));
   Json inputs = Json::array();
   for (const springnet_parameter* input : inputs_of(component)) inputs.push_back(json_of(*input));
-  return {{"id", component.id()},
-          {"kind", name_of(component.kind())},
-          {"version", plugin.version},
-          {"summary", component.description->summary},
-          {"file", component.file.string()},
-          {"plugin", plugin.id},
-          {"author", plugin.author},
-          {"licence", plugin.licence},
-          {"abi", fmt::format("{}.{}", plugin.abi_major, plugin.abi_minor)},
-          {"reference", component.description->reference},
-          {"capabilities", capabilities_of(component)},
-          {"reads", is_law(component) ? Json(what_it_reads(component.law())) : Json(nullptr)},
-          {"parameters", parameters},
-          {"states", states},
-          {"inputs", inputs},
-          {"tables", json_of_tables(component)}};
+  return {
+      {"id", component.id()},
+      {"kind", name_of(component.kind())},
+      {"version", plugin.version},
+      {"summary", component.description->summary},
+      {"file", component.file.string()},
+      {"plugin", plugin.id},
+      {"author", plugin.author},
+      {"licence", plugin.licence},
+      {"abi", fmt::format("{}.{}", plugin.abi_major, plugin.abi_minor)},
+      {"reference", component.description->reference},
+      {"capabilities", capabilities_of(component)},
+      {"reads", is_law(component) ? Json(what_it_reads(component.law())) : Json(nullptr)},
+      {"stretch", is_law(component) ? Json::array({component.law().smallest_stretch, component.law().largest_stretch})
+                                    : Json(nullptr)},
+      {"parameters", parameters},
+      {"states", states},
+      {"inputs", inputs},
+      {"tables", json_of_tables(component)}};
 }
 
 void print_json(const Json& document) {
@@ -276,27 +280,68 @@ void print_tables(const Component& component) {
   fmt::print("\n{}", align_columns(rows));
 }
 
-void print_component(const PluginHost& host, const Component& component) {
-  const springnet_plugin& plugin = *component.plugin;
-  fmt::print("{} ({})\n  {}\n\n", component.id(), name_of(component.kind()), shown(component.description->summary));
+// What the component reads and can do.
+std::vector<std::vector<std::string>> abilities_of(const Component& component) {
   std::vector<std::vector<std::string>> rows;
   const std::string reference = shown(component.description->reference);
   if (!reference.empty()) rows.push_back({"reference", reference});
   if (is_law(component)) {
-    rows.push_back({"reads", what_it_reads(component.law())});
+    const springnet_law& law = component.law();
+    rows.push_back({"reads", what_it_reads(law)});
+    const bool is_bounded = law.smallest_stretch != 0.0 || law.largest_stretch < 1e300;
+    if (is_bounded) rows.push_back({"stretch", fmt::format("{:g} to {:g}", law.smallest_stretch, law.largest_stretch)});
   }
   const std::vector<std::string> can = capabilities_of(component);
   if (!can.empty()) rows.push_back({"can", fmt::format("{}", fmt::join(can, ", "))});
+  return rows;
+}
+
+// name: of the component, or where it stands.
+void print_head(const Component& component, std::string_view name) {
+  fmt::print("{} ({})\n  {}\n\n", name, name_of(component.kind()), shown(component.description->summary));
+}
+
+void print_numbers(const Component& component) {
+  print_parameters(component);
+  print_quantities("INTERNAL STATE", "AT START", states_of(component));
+  print_quantities("INPUT", "WITHOUT A SIGNAL", inputs_of(component));
+  print_tables(component);
+}
+
+void print_component(const PluginHost& host, const Component& component) {
+  const springnet_plugin& plugin = *component.plugin;
+  print_head(component, component.id());
+  std::vector<std::vector<std::string>> rows = abilities_of(component);
   rows.push_back(
       {"plugin", fmt::format("{} {}, {}, {}; ABI {}.{}", shown(plugin.id), shown(plugin.version), shown(plugin.author),
                              shown(plugin.licence), plugin.abi_major, plugin.abi_minor)});
   rows.push_back({"file", file_of(component)});
   fmt::print("{}\n", align_columns(rows));
-  print_parameters(component);
-  print_quantities("INTERNAL STATE", "AT START", states_of(component));
-  print_quantities("INPUT", "WITHOUT A SIGNAL", inputs_of(component));
-  print_tables(component);
+  print_numbers(component);
   fmt::print("\n  in a scene:\n    {}\n", scene_line(component, name_in_scenes(host, component)));
+}
+
+// Those of a scene, with what they declare.
+int show_formulas(const std::filesystem::path& file, const PluginHost& host, bool as_json) {
+  const std::vector<SceneFormula> formulas = find_formulas(file, host);
+  if (formulas.empty())
+    throw Error(ErrorKind::input,
+                fmt::format("{}: no law of the scene is a formula; '--plot FILE' draws its laws", shown(file)));
+  Json list = Json::array();
+  for (const SceneFormula& each : formulas) {
+    const Component& component = *each.law.component;
+    if (as_json) {
+      list.push_back(json_of(component));
+      list.back()["id"] = each.key;
+      continue;
+    }
+    if (&each != &formulas.front()) fmt::print("\n");
+    print_head(component, each.key);
+    fmt::print("{}\n", align_columns(abilities_of(component)));
+    print_numbers(component);
+  }
+  if (as_json) print_json(list);
+  return done;
 }
 
 struct ShowArguments {
@@ -314,11 +359,11 @@ void print_plotted(const std::vector<std::string>& notes, const std::filesystem:
 int show(const ShowArguments& arguments) {
   const auto& [plugins, id, kind_word, json, sample, plot] = arguments;
   const auto host = plugins.load();
-  if (id.ends_with(".toml")) {
-    if (plot.file.empty()) throw Error(ErrorKind::input, "of a scene, only its laws can be drawn: add --plot FILE");
+  if (id.ends_with(".toml") && !plot.file.empty()) {
     print_plotted(plot_scene(id, *host, plot), plot.file);
     return done;
   }
+  if (id.ends_with(".toml")) return show_formulas(id, *host, json);
   std::vector<std::shared_ptr<const Component>> found;
   for (const KindWord& kind : kind_words) {
     if (!kind_word.empty() && kind_word != kind.word) continue;
@@ -381,7 +426,7 @@ void add_show(CLI::App& parent, Action& action) {
   const auto arguments = std::make_shared<ShowArguments>();
   CLI::App* const command =
       parent.add_subcommand("show", "Describe a component, its parameters and bounds, or draw a law");
-  command->add_option("ID", arguments->id, "Name of the component in a scene; with --plot also a scene, NAME.toml")
+  command->add_option("ID", arguments->id, "Name of the component in a scene; or a scene, NAME.toml, for its formulas")
       ->type_name("")
       ->required();
   command->add_option("--kind", arguments->kind, "Only this kind: spring, viscosity, neuron or integrator")

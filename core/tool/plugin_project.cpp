@@ -1,14 +1,9 @@
 #include "plugin_project.hpp"
 
 #include <cctype>
-#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
-#include <springnet/formula.hpp>
-#include <springnet/formula_source.hpp>
-#include <springnet/printable.hpp>
-#include <springnet/suggestion.hpp>
 
 namespace springnet::tool {
 
@@ -133,7 +128,7 @@ constexpr std::string_view test_same = R"(
 file(READ ${{scene}} own)
 set(other [==[{with}]==])
 string(REPLACE "type = \"{name}\"" "${{other}}" other "${{own}}")
-if(other STREQUAL own)
+{curves}if(other STREQUAL own)
   message(FATAL_ERROR "${{scene}} does not use {name}")
 endif()
 file(WRITE ${{OUTPUT}}/other.toml "${{other}}")
@@ -146,34 +141,6 @@ if(different)
 endif()
 )";
 
-constexpr std::string_view scene_text =
-    R"(# Two masses hang one below the other and come to rest. scene.md of the documentation describes every key.
-#   springnet run {name}.toml --plugins build
-title = "{title}"
-
-[simulation]
-duration   = 2.0    # s
-time_step  = 0.002  # s
-integrator = {integrator}
-
-[output]
-interval = 0.02  # s between records
-
-[gravity]
-acceleration = [0, 0, -9.81]  # m/s^2
-
-[[body]]
-name      = "chain"
-nodes     = [[0, 0, 0], [0, 0, -1], [0, 0.1, -2]]  # m
-springs   = [[0, 1], [1, 2]]
-neuron    = {neuron}
-spring    = {spring}
-viscosity = {viscosity}
-
-[[fix]]
-select = {{ nodes = [0] }}
-)";
-
 constexpr std::string_view readme_text = R"(# {name}
 
 A {kind} for springnet, `{name}.cpp`, built outside of springnet's sources.
@@ -182,10 +149,8 @@ A {kind} for springnet, `{name}.cpp`, built outside of springnet's sources.
 cmake -S . -B build -DCMAKE_PREFIX_PATH=<where springnet is installed>
 cmake --build build
 ctest --test-dir build --output-on-failure
-springnet plugin check build/{name}.springnet.so
-springnet run {name}.toml --plugins build        # results/{name}/view.html plays the motion
-springnet validate {name}.toml --plugins build   # how far it is from the reference, CVODE
-springnet plugin show {name} --plugins build{plot}
+springnet plugin show {name} --plugins build
+springnet run {name}.toml --plugins build
 ```
 
 `cmake --install build --prefix <where springnet is installed>` puts the plugin where springnet finds it without `--plugins`.
@@ -198,6 +163,76 @@ springnet plugin show {name} --plugins build{plot}
 
 {next} The author's guide is `share/doc/springnet/sdk.md` of the installation.
 )";
+
+// "my_law" is MyLaw, "fene" FeneLaw: the SDK has classes of one word.
+std::string type_of(const PluginProject& project) {
+  const std::string suffix = is_law(project) ? "Law" : project.kind == ComponentKind::neuron ? "Neuron" : "Method";
+  std::string type;
+  bool starts = true;
+  for (const char c : project.name) {
+    if (c != '_') type += starts ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+    starts = c == '_';
+  }
+  return type.ends_with(suffix) && type != suffix ? type : type + suffix;
+}
+
+std::string test_of(const PluginProject& project) {
+  const bool own = !project.formula;
+  std::string text =
+      fmt::format(test_start, fmt::arg("name", project.name), fmt::arg("kind", kind_word(project.kind)),
+                  // Of a formula whose parameters have no bounds yet the report does not count.
+                  fmt::arg("check", own ? "springnet(plugin check"
+                                        : "# TODO: springnet(plugin check …), which may fail, once parameters have "
+                                          "bounds.\n  execute_process(COMMAND ${TOOL} plugin check"),
+                  fmt::arg("ending", own ? "" : " COMMAND_ECHO STDOUT"),
+                  // A law with the parameters of the scene, because a formula may hold for few others.
+                  fmt::arg("checked", is_law(project) ? "${scene}" : project.name.c_str()));
+  if (project.kind == ComponentKind::integrator) return text;
+  const bool neuron = project.kind == ComponentKind::neuron;
+  const LawInScene plugin = plugin_in_scene(project);
+  const LawInScene other = neuron ? LawInScene{"type = \"dragged\"", ""} : formula_in_scene(project);
+  const std::string curves =
+      plugin.tables.empty()
+          ? ""
+          : fmt::format("string(REPLACE [==[{}]==] [==[{}]==] other \"${{other}}\")\n", plugin.tables, other.tables);
+  return text + fmt::format(test_same, fmt::arg("name", project.name),
+                            fmt::arg("what", neuron ? "springnet's own neuron 'dragged'" : "its formula in a scene"),
+                            fmt::arg("with", other.type), fmt::arg("curves", curves));
+}
+
+std::string readme_of(const PluginProject& project) {
+  const char* tests = "it loads, and moves as the reference";
+  const char* next = "Change the method in `advance`.";
+  if (is_law(project)) {
+    tests = "it loads, moves as the reference, and has the bits of its formula";
+    next =
+        !project.formula
+            ? "Change the formula in `force`, its parameters, their values in the scene, and the formula in the test."
+            : "Give the parameters units, meanings and bounds (TODO), and the scene values that suit the law.";
+  } else if (project.kind == ComponentKind::neuron) {
+    tests = "it loads, moves as the reference, and has the bits of springnet's own neuron `dragged`";
+    next = "Change the formula in `acceleration`, and what the test compares it with.";
+  }
+  return fmt::format(readme_text, fmt::arg("name", project.name), fmt::arg("kind", name_of(project.kind)),
+                     fmt::arg("tests", tests), fmt::arg("next", next));
+}
+
+}  // namespace
+
+bool is_law(const PluginProject& project) {
+  return project.kind == ComponentKind::spring_function || project.kind == ComponentKind::viscosity_function;
+}
+
+LawFormula law_of(const PluginProject& project) {
+  if (project.formula) return *project.formula;
+  LawFormula law;
+  law.kind = project.kind;
+  const bool is_spring = project.kind == ComponentKind::spring_function;
+  law.force = is_spring ? "stiffness*e" : "damping*rate";
+  law.parameters = {is_spring ? FormulaSymbol{"stiffness", "N/m", FormulaSymbol::none, "tension per elongation", 0.0}
+                              : FormulaSymbol{"damping", "N s/m", FormulaSymbol::none, "tension per rate", 0.0}};
+  return law;
+}
 
 std::string_view kind_word(ComponentKind kind) {
   switch (kind) {
@@ -213,255 +248,14 @@ std::string_view kind_word(ComponentKind kind) {
   return "";
 }
 
-bool is_law(const PluginProject& project) {
-  return project.kind == ComponentKind::spring_function || project.kind == ComponentKind::viscosity_function;
-}
-
-// Without comments, in one line: characters of the language alone, which no text has to escape.
-std::string in_one_line(std::string_view formula) {
-  std::string line;
-  bool comment = false;
-  for (const char c : formula) {
-    comment = c != '\n' && (comment || c == '#');
-    if (comment) continue;
-    const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
-    if (!space)
-      line += c;
-    else if (!line.empty() && line.back() != ' ')
-      line += ' ';
-  }
-  while (line.ends_with(' ')) line.pop_back();
-  return line;
-}
-
-// `springnet plugin list` has a line for it.
-std::string summary_of(std::string_view formula) {
-  constexpr std::size_t longest = 60;
-  std::string line = in_one_line(formula);
-  if (line.size() > longest) line = line.substr(0, longest) + "...";
-  return line;
-}
-
-// Without --formula.
-struct FirstLaw {
-  const char *formula, *unit, *summary;
-};
-FirstLaw first_law(const PluginProject& project) {
-  if (project.kind == ComponentKind::spring_function) return {"stiffness*e", "N/m", "tension per elongation"};
-  return {"damping*rate", "N s/m", "tension per rate"};
-}
-
-LawFormula formula_of(const PluginProject& project) {
-  LawFormula law;
-  law.kind = project.kind;
-  law.force = project.formula.empty() ? first_law(project).formula : project.formula;
-  return law;
-}
-
-// "my_law" is MyLaw, "fene" FeneLaw: the SDK has classes of one word.
-std::string type_of(const PluginProject& project) {
-  const std::string suffix = is_law(project) ? "Law" : project.kind == ComponentKind::neuron ? "Neuron" : "Method";
-  std::string type;
-  bool starts = true;
-  for (const char c : project.name) {
-    if (c != '_') type += starts ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
-    starts = c == '_';
-  }
-  return type.ends_with(suffix) && type != suffix ? type : type + suffix;
-}
-
-constexpr std::size_t line_length = 120;
-
-// number("stiffness", "N/m", "").learnable(3)
-std::string described(const PluginProject& project, const std::string& name) {
-  const FirstLaw first = first_law(project);
-  if (project.formula.empty())
-    return fmt::format("number(\"{}\", \"{}\", \"{}\").at_least(0)", name, first.unit, first.summary);
-  const auto given = project.given.find(name);
-  if (given == project.given.end()) return fmt::format("number(\"{}\", \"1\", \"\")", name);
-  const auto& [number, unit] = given->second;
-  const std::string typical = number == 0.0 ? "" : fmt::format(".learnable({})", std::abs(number));
-  return fmt::format("number(\"{}\", \"{}\", \"\"){}", name, unit.empty() ? "1" : unit, typical);
-}
-
-// "units, meanings and bounds": what is left to be written.
-std::string left_to_say(const PluginProject& project, const FormulaSource& source) {
-  for (const std::string& name : source.parameters)
-    if (!project.given.contains(name) || project.given.at(name).unit.empty()) return "units, meanings and bounds";
-  return "meanings and bounds";
-}
-
-std::string parameters_text(const PluginProject& project, const FormulaSource& source) {
-  if (source.parameters.empty()) return "";
-  const std::string start = "  static constexpr Parameter parameters[] = {";
-  std::vector<std::string> entries;
-  std::size_t length = start.size() + 2;
-  for (const std::string& name : source.parameters) {
-    entries.push_back(described(project, name));
-    length += entries.back().size() + 2;
-  }
-  const std::string next = length <= line_length ? ", " : ",\n" + std::string(start.size(), ' ');
-  const std::string to_do = project.formula.empty()
-                                ? ""
-                                : fmt::format("  // TODO: {}, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n",
-                                              left_to_say(project, source));
-  return fmt::format("{}{}{}}};\n", to_do, start, fmt::join(entries, next));
-}
-
-std::string force_text(const FormulaSource& source) {
-  std::string text = fmt::format("  static auto force(const auto&{}, const auto&{}) {{",
-                                 source.uses_element ? " e" : "", source.uses_parameters ? " p" : "");
-  if (source.statements.size() == 1 && text.size() + source.statements[0].size() + 3 <= line_length)
-    return fmt::format("{} {} }}\n", text, source.statements[0]);
-  for (const std::string& statement : source.statements) text += "\n    " + statement;
-  return text + "\n  }\n";
-}
-
-std::string law_source(const PluginProject& project) {
-  const FormulaSource source = source_of(formula_of(project));
-  const std::string type = type_of(project);
-  std::string text = fmt::format(
-      "#include <springnet/sdk/law.hpp>\n\nnamespace {{\nusing namespace springnet::sdk;\n\nstruct {} : {} {{\n", type,
-      project.kind == ComponentKind::spring_function ? "SpringFunction" : "ViscosityFunction");
-  if (!source.enumerators.empty()) text += fmt::format("  enum {{ {} }};\n", fmt::join(source.enumerators, ", "));
-  text += fmt::format("  static constexpr const char *id = \"{}\", *summary = \"{}\";\n", project.name,
-                      summary_of(formula_of(project).force));
-  for (const std::string& declaration : source.declarations) text += "  " + declaration + "\n";
-  text += parameters_text(project, source) + "\n" + force_text(source);
-  return text + fmt::format(
-                    "}};\n}}  // namespace\nSPRINGNET_PLUGIN(\"org.example.{}\", \"0.1.0\", \"your name\", "
-                    "\"MIT\", {});\n",
-                    project.name, type);
-}
-
-// As a scene has it.
-std::string value_of(const PluginProject& project, const std::string& parameter) {
-  const auto given = project.given.find(parameter);
-  if (given == project.given.end()) return project.value;
-  const std::string text = fmt::format("{}", given->second.number);
-  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
-}
-
-// { type = "…", stiffness = 1.0 }
-std::string use_of(const PluginProject& project, const std::string& type) {
-  std::string text = "{ " + type;
-  if (is_law(project))
-    for (const std::string& name : source_of(formula_of(project)).parameters)
-      text += fmt::format(", {} = {}", name, value_of(project, name));
-  return text + " }";
-}
-
-// "  # N/m, m", or nothing.
-std::string units_of(const PluginProject& project) {
-  std::string text;
-  for (const std::string& name : source_of(formula_of(project)).parameters) {
-    const auto given = project.given.find(name);
-    if (given == project.given.end() || given->second.unit.empty()) return "";
-    text += (text.empty() ? "  # " : ", ") + given->second.unit;
-  }
-  return text;
-}
-
-std::string scene_of(const PluginProject& project, const std::string& type) {
-  std::string neuron = "{ type = \"point_mass\", mass = 0.01 }  # kg";
-  std::string spring = "{ type = \"linear\", stiffness = 1.0 }  # N/m";
-  std::string viscosity = "{ type = \"linear\", damping = 0.02 }  # N s/m";
-  std::string integrator = "{ name = \"recurrent\", theta = 0.5 }";
-  switch (project.kind) {
-    case ComponentKind::spring_function:
-      spring = use_of(project, type) + units_of(project);
-      break;
-    case ComponentKind::viscosity_function:
-      viscosity = use_of(project, type) + units_of(project);
-      break;
-    case ComponentKind::neuron:
-      neuron = "{ " + type + ", mass = 0.01, drag = 0.005 }  # kg, kg/s";
-      break;
-    case ComponentKind::integrator:
-      integrator = "{ " + type + " }";
-      break;
-  }
-  return fmt::format(scene_text, fmt::arg("name", project.name),
-                     fmt::arg("title", fmt::format("Two masses with the {} {}", kind_word(project.kind), project.name)),
-                     fmt::arg("integrator", integrator), fmt::arg("neuron", neuron), fmt::arg("spring", spring),
-                     fmt::arg("viscosity", viscosity));
-}
-
-std::string formula_in_scene(const PluginProject& project) {
-  return fmt::format("formula = \"{}\"", in_one_line(formula_of(project).force));
-}
-
-std::string test_of(const PluginProject& project) {
-  std::string text =
-      fmt::format(test_start, fmt::arg("name", project.name), fmt::arg("kind", kind_word(project.kind)),
-                  // Of a formula whose parameters have no bounds yet the report does not count.
-                  fmt::arg("check", project.formula.empty()
-                                        ? "springnet(plugin check"
-                                        : "# TODO: springnet(plugin check …), which may fail, once parameters have "
-                                          "bounds.\n  execute_process(COMMAND ${TOOL} plugin check"),
-                  fmt::arg("ending", project.formula.empty() ? "" : " COMMAND_ECHO STDOUT"),
-                  // A law with the parameters of the scene, because a formula may hold for few others.
-                  fmt::arg("checked", is_law(project) ? "${scene}" : project.name.c_str()));
-  const bool neuron = project.kind == ComponentKind::neuron;
-  if (project.kind == ComponentKind::integrator) return text;
-  return text + fmt::format(test_same, fmt::arg("name", project.name),
-                            fmt::arg("what", neuron ? "springnet's own neuron 'dragged'" : "its formula in a scene"),
-                            fmt::arg("with", neuron ? "type = \"dragged\"" : formula_in_scene(project)));
-}
-
-std::string readme_of(const PluginProject& project) {
-  const char* tests = "it loads, and moves as the reference";
-  const char* next = "Change the method in `advance`.";
-  if (is_law(project)) {
-    tests = "it loads, moves as the reference, and has the bits of its formula";
-    next =
-        project.formula.empty()
-            ? "Change the formula in `force`, its parameters, their values in the scene, and the formula in the test."
-            : "Give the parameters what the source says (TODO), and the scene values that suit the law.";
-  } else if (project.kind == ComponentKind::neuron) {
-    tests = "it loads, moves as the reference, and has the bits of springnet's own neuron `dragged`";
-    next = "Change the formula in `acceleration`, and what the test compares it with.";
-  }
-  return fmt::format(
-      readme_text, fmt::arg("name", project.name), fmt::arg("kind", name_of(project.kind)), fmt::arg("tests", tests),
-      fmt::arg("next", next),
-      fmt::arg("plot", is_law(project) ? fmt::format(" --plot {}.html   # its curves", project.name) : ""));
-}
-
-// Throws Error(input) for values of what the formula does not read, and units that do not fit.
-void check_given(const PluginProject& project) {
-  LawFormula law = formula_of(project);
-  ParameterValues values;
-  for (const std::string& name : parameters_of(law)) {
-    const auto given = project.given.find(name);
-    law.parameters.push_back({name, given == project.given.end() ? "" : given->second.unit});
-    values[name] = 1.0;
-  }
-  for (const auto& [name, value] : project.given) {
-    if (values.contains(name)) continue;
-    std::vector<std::string> known;
-    for (const FormulaSymbol& each : law.parameters) known.push_back(each.name);
-    const std::string near = suggestion(name, known);
-    throw Error(ErrorKind::input, fmt::format("--set: the formula has no parameter '{}'{}{}", printable(name),
-                                              near.empty() ? "" : "; ", near));
-  }
-  static_cast<void>(law_of(law, values));
-}
-
-}  // namespace
-
-std::string scene_with_formula(const PluginProject& project) { return scene_of(project, formula_in_scene(project)); }
-
 std::vector<ProjectFile> files_of(const PluginProject& project) {
-  if (!project.given.empty()) check_given(project);
-  const bool integrator = project.kind == ComponentKind::integrator;
-  const std::string own = fmt::format("{} = \"{}\"", integrator ? "name" : "type", project.name);
   const std::string type = type_of(project);
-  const std::string source = is_law(project) ? law_source(project)
-                                             : fmt::format(fmt::runtime(integrator ? integrator_source : neuron_source),
-                                                           fmt::arg("name", project.name), fmt::arg("type", type));
+  const std::string_view other = project.kind == ComponentKind::integrator ? integrator_source : neuron_source;
+  const std::string source =
+      is_law(project) ? law_source(project, type)
+                      : fmt::format(fmt::runtime(other), fmt::arg("name", project.name), fmt::arg("type", type));
   return {{project.name + ".cpp", source},
-          {project.name + ".toml", scene_of(project, own)},
+          {project.name + ".toml", scene_of(project)},
           {"CMakeLists.txt", fmt::format(cmake_text, fmt::arg("name", project.name))},
           {"test.cmake", test_of(project)},
           {"README.md", readme_of(project)}};

@@ -191,6 +191,71 @@ TEST_CASE("what a law declares is checked") {
   CHECK(testing::has_facts(refusal(law), "curve 'curve'"));
 }
 
+TEST_CASE("a component has what its formula declares, and gives the formula back") {
+  LawFormula law;
+  law.force = "stiffness*(e + 0*drive*flow)";
+  law.summary = "pulls";
+  law.smallest_stretch = 0.5;
+  law.largest_stretch = 2.0;
+  law.pulls_only = law.monotone = law.not_zero_at_rest = law.adds_power = law.smooth_rates = true;
+  law.parameters = {{"stiffness", "N/m", FormulaSymbol::none, "of all", 0.0, 100.0, true, 7.0, false}, {"tau", "s"}};
+  law.inputs = {{"drive", "1", 0.5, "of the muscle", 0.0, 1.0}};
+  law.states = {{"flow", "(e - flow)/tau", 0.25, "m", "of the dashpot", -1.0, 3.0}};
+  const auto component = component_of(law);
+  const springnet_component& made = *component->description;
+  constexpr std::uint64_t promises =
+      SPRINGNET_ACTS_IN_COMPRESSION | SPRINGNET_MONOTONE | SPRINGNET_NOT_ZERO_AT_REST | SPRINGNET_ADDS_POWER;
+  CHECK((made.capabilities & promises) == (promises & ~SPRINGNET_ACTS_IN_COMPRESSION));
+  CHECK(std::string(made.summary) == "pulls");
+  CHECK(component->law().smallest_stretch == 0.5);
+  CHECK(component->law().largest_stretch == 2.0);
+  const springnet_parameter& stiffness = *made.parameters[0];
+  CHECK(stiffness.flags == (SPRINGNET_REQUIRED | SPRINGNET_EXCLUDES_SMALLEST));
+  CHECK(stiffness.smallest == 0.0);
+  CHECK(stiffness.largest == 100.0);
+  CHECK(stiffness.scale == 7.0);
+  CHECK(std::string(stiffness.summary) == "of all");
+  CHECK(component->law().inputs[0]->largest == 1.0);
+  CHECK(component->law().inputs[0]->default_value == 0.5);
+  CHECK(component->law().states[0]->smallest == -1.0);
+  CHECK(component->law().states[0]->scale == 0.25);
+  CHECK(std::string(component->law().states[0]->summary) == "of the dashpot");
+  REQUIRE(formula_of(*component) != nullptr);
+  CHECK(formula_of(*component)->force == law.force);
+  const PluginHost host = PluginHost::with_default_search();
+  for (const auto& other : host.components()) CHECK(formula_of(*other) == nullptr);
+  // What is not said is as with a law that says nothing.
+  LawFormula plain;
+  plain.force = "k*e";
+  plain.parameters = {{"k"}};
+  const auto bare = component_of(plain);
+  CHECK((bare->description->capabilities & promises) == SPRINGNET_ACTS_IN_COMPRESSION);
+  CHECK(bare->description->parameters[0]->flags == (SPRINGNET_REQUIRED | SPRINGNET_LEARNABLE));
+}
+
+TEST_CASE("declarations that contradict each other are refused") {
+  const auto refused = [](const auto& change, const char* words) {
+    LawFormula law;
+    law.force = "k*(e - z)";
+    law.parameters = {{"k"}};
+    law.states = {{"z", "e - z"}};
+    change(law);
+    CHECK_THROWS_WITH_AS(static_cast<void>(component_of(law)), doctest::Contains(words), Error);
+  };
+  constexpr double nan = FormulaSymbol::none;
+  refused([](LawFormula& law) { law.smallest_stretch = 3.0, law.largest_stretch = 2.0; }, "from a stretch of 3 to 2");
+  refused([](LawFormula& law) { law.largest_stretch = nan; }, "from a stretch of 0 to nan");
+  refused([](LawFormula& law) { law.parameters[0].smallest = 2.0, law.parameters[0].largest = 1.0; }, "no value");
+  refused([](LawFormula& law) { law.parameters[0].smallest = nan; }, "no value");
+  refused([](LawFormula& law) { law.parameters[0].scale = 0.0; }, "scale must be");
+  refused([](LawFormula& law) { law.parameters[0].scale = FormulaSymbol::infinity; }, "scale must be");
+  refused([](LawFormula& law) { law.parameters[0].preset = 2.0, law.parameters[0].largest = 1.0; }, "its default");
+  refused([](LawFormula& law) { law.parameters[0].summary.assign(9000, 'a'); }, "more than 8192 bytes");
+  refused([](LawFormula& law) { law.states[0].largest = -1.0; }, "its default");
+  refused([](LawFormula& law) { law.states[0].scale = -1.0; }, "scale must be");
+  refused([](LawFormula& law) { law.states.clear(), law.force = "k*e", law.smooth_rates = true; }, "has none");
+}
+
 TEST_CASE("formulas are bounded: length, depth, operations, derivatives") {
   CHECK(testing::has_facts(refusal(std::string(20'000, ' ') + "e"), "20001 bytes | at most 10000"));
   CHECK(testing::has_facts(refusal(std::string(500, '(') + "e" + std::string(500, ')')), "more than 100 brackets"));

@@ -22,7 +22,7 @@ FormulaSource source(const std::string& formula, ComponentKind kind = ComponentK
 }
 
 std::string statements(const std::string& formula, ComponentKind kind = ComponentKind::spring_function) {
-  return fmt::format("{}", fmt::join(source(formula, kind).statements, " "));
+  return fmt::format("{}", fmt::join(source(formula, kind).functions.at(0).statements, " "));
 }
 
 bool declares(const FormulaSource& law, const std::string& what) {
@@ -69,6 +69,8 @@ TEST_CASE("conditions, and choices that the SDK has a name for") {
   CHECK(statements("if(e > 0 and (a < b or not a <= 2), a, if(e < 1, b, 0))") ==
         "return 0.0 < e.elongation() && (p[a] < p[b] || !(p[a] <= 2.0)) ? p[a] : (e.elongation() < 1.0 ? p[b] : 0.0);");
   CHECK(statements("min(a, e)") == "return min(p[a], e.elongation());");
+  CHECK(statements("if(e < a, e, nan)") ==
+        "return e.elongation() < p[a] ? e.elongation() : std::numeric_limits<double>::quiet_NaN();");
   CHECK(statements("max(a, e)") == "return max(p[a], e.elongation());");
   CHECK(statements("clamp(e, a, 2)") == "return clamp(e.elongation(), p[a], 2.0);");
   // The SDK has no clamp of a double to dual numbers.
@@ -104,25 +106,98 @@ TEST_CASE("parameters that C++ or the SDK has another meaning for get an undersc
   const FormulaSource law = source("class*e + invariant*p + class_*k");
   CHECK(law.parameters == std::vector<std::string>{"class", "invariant", "p", "class_", "k"});
   CHECK(law.enumerators == std::vector<std::string>{"class__", "invariant_", "p_", "class_", "k"});
-  CHECK(law.uses_element);
-  CHECK(law.uses_parameters);
-  CHECK_FALSE(source("exp(2)").uses_element);
-  CHECK_FALSE(source("exp(2)").uses_parameters);
+  CHECK(law.functions[0].uses_element);
+  CHECK(law.functions[0].uses_parameters);
+  CHECK_FALSE(source("exp(2)").functions[0].uses_element);
+  CHECK_FALSE(source("exp(2)").functions[0].uses_parameters);
 }
 
-TEST_CASE("what a plugin declares in another way is refused") {
+TEST_CASE("energies, margins, states, inputs and promises in the words of the SDK") {
+  LawFormula law;
+  law.force = "k*(e - z)*drive";
+  law.energy = "k/2*(e - z)^2";
+  law.margin = "2 - stretch";
+  law.smallest_stretch = 0.5;
+  law.pulls_only = law.monotone = law.not_zero_at_rest = law.adds_power = law.smooth_rates = true;
+  law.parameters = {{"k", "", FormulaSymbol::none, "a \"k\"", 0.0, 10.0, true, 2.0}};
+  law.inputs = {{"drive", "", 0.5, "", 0.0, 1.0}};
+  law.states = {{"z", "e - z", 0.25, "m", "of the dashpot", -1.0}, {"y", "1"}};
+  const FormulaSource made = source_of(law);
+  REQUIRE(made.functions.size() == 4);
+  CHECK(made.functions[0].statements ==
+        std::vector<std::string>{"return p[k] * (e.elongation() - e.state(z)) * e.input(drive);"});
+  CHECK(made.functions[1].name == "state_rates");
+  CHECK(
+      made.functions[1].statements ==
+      std::vector<std::string>{"return std::array<decltype(e.reference + 0.0), 2>{e.elongation() - e.state(z), 1.0};"});
+  CHECK(made.functions[2].name == "energy");
+  CHECK(made.functions[3].statements == std::vector<std::string>{"return 2.0 - e.q / e.reference;"});
+  CHECK(made.enums == std::vector<std::vector<std::string>>{{"k"}, {"z", "y"}, {"drive"}});
+  REQUIRE(made.lists.size() == 3);
+  CHECK(made.lists[0].entries ==
+        std::vector<std::string>{R"(number("k", "1", "a \"k\"").above(0).at_most(10).learnable(2))"});
+  CHECK(made.lists[1].entries[0] == R"(number("z", "m", "of the dashpot").preset(0.25).at_least(-1).learnable(0.25))");
+  CHECK(made.lists[1].entries[1] == R"(number("y", "1", "").preset(0))");
+  CHECK(made.lists[2].entries[0] == R"(number("drive", "1", "").preset(0.5).at_least(0).at_most(1))");
+  for (const char* each : {"bool acts_in_compression = false", "bool monotone = true", "bool not_zero_at_rest = true",
+                           "bool adds_power = true", "bool smooth_rates = true", "double smallest_stretch = 0.5"}) {
+    CAPTURE(each);
+    CHECK(declares(made, each));
+  }
+  CHECK(made.declarations[0] == "using has = Has<Energy, Margin>;");
+}
+
+TEST_CASE("curves are tables of the plugin, scalars its invariants") {
+  LawFormula law;
+  law.force = "f(e) + g(2) + f_x";
+  law.curves = {{"f", {0.0, 1.0}, {0.0, 1.0}}, {"g", {0.0, 1.0}, {0.0, 1.0}}};
+  const FormulaSource curved = source_of(law);
+  CHECK(curved.uses_tables);
+  CHECK(curved.table_keys == std::vector<std::string>{"f_x_", "f_y", "g_x", "g_y"});
+  CHECK(curved.functions[0].statements[0] == "return e.table[0](e.elongation()) + e.table[1](2.0) + p[f_x];");
+  CHECK(curved.lists.back().entries[3] == R"(table("g_y", "1", "").as_long_as(2))");
+  law.force = "f(e)";
+  law.curves.pop_back();
+  CHECK(source_of(law).prepare ==
+        "static MonotoneCubic prepare(const TableSource& source) { return {source[0], source[1], Beyond::linear}; }");
+  CHECK(source_of(law).functions[0].statements[0] == "return e.table(e.elongation());");
+
+  LawFormula several;
+  several.shape = Invariant::tetrahedron;
+  several.scalars = {{"a", "length(0, 1)"}, {"at_rest", "volume(0, 1, 2, 3)"}, {"turn", "angle(0, 1, 2)"}};
+  several.forces = {"k*(a - rest(a))*rest(at_rest) + direction_2*rate(a)", "0", "turn"};
+  const FormulaSource made = source_of(several);
+  CHECK(declares(made, "Shape shape = Shape::tetrahedron"));
+  CHECK(declares(made, "bool reads_direction = true"));
+  CHECK(declares(made, "bool reads_rate = true"));
+  CHECK(made.lists.back().entries ==
+        std::vector<std::string>{"length_of(0, 1)", "at_rest(volume_of(0, 1, 2, 3))", "angle_of(0, 1, 2)"});
+  CHECK(made.enums.back() == std::vector<std::string>{"a", "at_rest_", "turn"});
+  const std::string text = fmt::format("{}", fmt::join(made.functions[0].statements, " "));
+  CAPTURE(text);
+  CHECK(text.find("e.reference[at_rest_]") != std::string::npos);
+  CHECK(text.find("e.direction[2] * e.rate[a]") != std::string::npos);
+  CHECK(text.find("0.0, e.q[turn]};") != std::string::npos);
+  CHECK(declares(source("k*(angle - 1)"), "std::uint32_t invariant = SPRINGNET_ANGLE"));
+  CHECK(declares(source("k*area"), "std::uint32_t invariant = SPRINGNET_AREA"));
+  CHECK(declares(source("k*volume"), "std::uint32_t invariant = SPRINGNET_VOLUME"));
+}
+
+TEST_CASE("what no law can have, and names that plugins cannot have, are refused") {
   const auto refused = [](const auto& change, const char* words) {
     LawFormula law;
     law.force = "k*e";
     change(law);
     CHECK_THROWS_WITH_AS(static_cast<void>(source_of(law)), doctest::Contains(words), Error);
   };
-  refused([](LawFormula& law) { law.energy = "k*e^2/2"; }, "\"Energy, rupture\"");
-  refused([](LawFormula& law) { law.margin = "1 - e"; }, "\"Energy, rupture\"");
-  refused([](LawFormula& law) { law.inputs = {{"k"}}; }, "\"Inputs\"");
-  refused([](LawFormula& law) { law.states = {{"z", "e - z"}}; }, "\"Laws with memory\"");
-  refused([](LawFormula& law) { law.curves = {{"f", {0.0, 1.0}, {0.0, 1.0}}}; }, "\"Tables\"");
-  refused([](LawFormula& law) { law.scalars = {{"a", "length(0, 1)"}}; }, "\"Laws over several invariants\"");
   refused([](LawFormula& law) { law.force = ""; }, "no formula");
-  refused([](LawFormula& law) { law.force = "k*(e"; }, "force: column 3: this '(' is not closed");
+  refused([](LawFormula& law) { law.force = "k*(e"; }, "column 3: this '(' is not closed");
+  refused([](LawFormula& law) { law.force = "f(e)"; }, "there is no function 'f'");
+  refused([](LawFormula& law) { law.states = {{"_z", "e"}}; }, "state '_z': names in plugins begin");
+  refused([](LawFormula& law) { law.inputs = {{"name"}}; }, "input 'name': scenes have this key");
+  refused(
+      [](LawFormula& law) {
+        law.parameters = {{"k"}}, law.parameters[0].smallest = FormulaSymbol::infinity, law.parameters[0].largest = 0.0;
+      },
+      "no value");
 }

@@ -77,6 +77,24 @@ select = { body = "skin" }
 spring = { type = "shell", youngs_modulus = 1.0, poisson_ratio = 0.3, thickness = 0.1 }
 )";
 
+// Formulas as laws of materials; what else they may have is in a file of its own.
+constexpr const char* formulas = R"toml(
+[[body]]
+name = "net"
+mesh = { lattice = [2, 2, 3], spacing = 1.0, origin = [0, 10, 0] }
+neuron = { type = "point_mass" }
+density = 1000.0
+material = { youngs_modulus = 1e4, law = { formula = "stiffness*e*(1 + b*e^2)", b = { value = 2.0, smallest = 0 } } }
+
+[[body]]
+name = "skin"
+mesh = { lattice = [3, 3, 1], spacing = 1.0, origin = [10, 10, 0] }
+neuron = { type = "point_mass" }
+density = 1000.0
+thickness = 0.001
+material = { youngs_modulus = 1e4, law = { energy = "youngs_modulus*thickness*(a - rest(a))^2", scalars = { a = "length(0, 1)" }, declares = ["adds power"] } }
+)toml";
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -93,6 +111,7 @@ int main(int argc, char** argv) {
   write("toml", "everything", everything);
   write("toml", "everything_of_meshes", everything_of_meshes);
   write("toml", "elements", elements);
+  write("toml", "formulas", read_text(FORMULAS) + formulas);
   for (const auto& entry : std::filesystem::recursive_directory_iterator(EXAMPLES)) {
     if (entry.path().extension() == ".toml") write("toml", entry.path().stem().string(), read_text(entry.path()));
   }

@@ -45,7 +45,8 @@ TEST_CASE("the examples of the page of formulas are parts of scenes") {
     begin += 8;
     const std::string text = page.substr(begin, page.find("```", begin) - begin);
     const std::size_t tables = std::min(text.find("[["), text.size());
-    const std::string scene = chain(text.substr(0, tables)) + sheet + text.substr(tables);
+    const std::string law = tables > 0 ? text.substr(0, tables) : "spring = { type = \"linear\", stiffness = 1.0 }";
+    const std::string scene = chain(law) + sheet + text.substr(tables);
     CAPTURE(scene);
     CHECK(refusal(scene) == "");
     ++examples;

@@ -50,7 +50,7 @@ TEST_CASE("a formula becomes C++ with its names as parameters to be described") 
   CAPTURE(source);
   CHECK(lines_of(source) <= 20);
   CHECK(has(source, "struct FeneLaw : SpringFunction {\n  enum { stiffness, limit };\n"));
-  CHECK(has(source, "{number(\"stiffness\", \"1\", \"\"), number(\"limit\", \"1\", \"\")};"));
+  CHECK(has(source, "{number(\"stiffness\", \"1\", \"\").learnable(),\n"));
   CHECK(has(source, "TODO: units, meanings and bounds"));
   CHECK(has(source,
             "const auto x1 = e.elongation() / p[limit];\n"
@@ -118,10 +118,20 @@ TEST_CASE("what 'plugin new' cannot do is a usage error, and nothing is written"
         Wrong{"law --kind spring --formula ''", "--formula: the value is empty"},
         Wrong{"law --kind spring --formula 'k*(e'", "column 3: this '(' is not closed\n    k*(e\n      ^"},
         Wrong{"law --kind spring --formula 'k*sni(e)'", "no function 'sni'; did you mean 'sin'"},
-        Wrong{"law --kind spring --formula 'curve(e)'", "a curve by points is a table of the plugin"},
         Wrong{"law --kind spring --formula 'k*rest(a)'", "laws over several scalars"},
-        Wrong{"law --kind spring --formula 'k*direction_0'", "laws over several scalars"},
-        Wrong{"law --kind spring --formula 'k*angle'", "write 'value'"},
+        Wrong{"law --kind spring --formula 'k*direction_0'", "'direction_0' is not known"},
+        Wrong{"law --kind neuron --energy e", "--formula is for springs and viscosities"},
+        Wrong{"law --kind spring --margin 'k*e'", "the law has no formula"},
+        Wrong{"law --kind spring --formula e --state z", "--state 'z': write NAME: RATE"},
+        Wrong{"law --kind spring --formula e-z --state ': e'", "--state ': e': write NAME: RATE"},
+        Wrong{"law --kind spring --formula e-z --state 'z: y('", "rate of z"},
+        Wrong{"law --kind spring --formula e --input drive", "input 'drive': no formula of the law reads it"},
+        Wrong{"law --kind spring --energy a --scalar a", "--scalar 'a': write NAME = SCALAR"},
+        Wrong{"law --kind spring --formula a --scalar 'a = length(0, 1)'", "--scalar: give the --energy"},
+        Wrong{"law --kind spring --energy a --scalar 'a = size(0, 1)'", "'size(0, 1)' is none"},
+        Wrong{"law --law body.0.spring --kind spring", "--law requires --from"},
+        Wrong{"law --from nothing.toml", "nothing.toml"},
+        Wrong{"law --from nothing.toml --formula e", "--formula excludes --from"},
         Wrong{"law --kind spring --formula 'K*e'", "lower case"},
         Wrong{"law --kind spring --formula '_k*e'", "begin with a lower-case letter"},
         Wrong{"law --kind spring --formula 'type*e'", "scenes have this key"},
@@ -142,6 +152,81 @@ TEST_CASE("what 'plugin new' cannot do is a usage error, and nothing is written"
     CHECK(answer.out.empty());
     CHECK_FALSE(std::filesystem::exists(folder.path() / "law"));
   }
+}
+
+TEST_CASE("options give all of a law") {
+  const TemporaryFolder folder;
+  REQUIRE(testing::springnet(folder,
+                             "plugin new whole --kind spring --formula '(k + drive)*(e - z)' --energy 'k/2*(e - z)^2' "
+                             "--margin '9 - strain' --state 'z: (e - z)/tau' --input drive")
+              .status == 0);
+  const std::string source = testing::read_text(folder.path() / "whole/whole.cpp");
+  CAPTURE(source);
+  CHECK(has(source, "enum { k, tau };\n  enum { z };\n  enum { drive };\n"));
+  CHECK(has(source, "using has = Has<Energy, Margin>;"));
+  CHECK(has(source, "static constexpr Parameter inputs[] = {number(\"drive\", \"1\", \"\").preset(0)};"));
+  CHECK(has(source, "static auto state_rates(const auto& e, const auto& p) { return std::array{"));
+  CHECK(has(testing::read_text(folder.path() / "whole/whole.toml"), "[[input]]\ninput  = \"drive\""));
+  CHECK(has(testing::read_text(folder.path() / "whole/test.cmake"),
+            "states = { z = { rate = \"(e - z)/tau\", start = 0.0"));
+  REQUIRE(testing::springnet(folder,
+                             "plugin new skin --kind spring --energy 'k*(s - rest(s))^2' --scalar 's = area(0, 1, 2)'")
+              .status == 0);
+  CHECK(has(testing::read_text(folder.path() / "skin/skin.cpp"), "Scalar invariants[] = {area_of(0, 1, 2)};"));
+  CHECK(has(testing::read_text(folder.path() / "skin/skin.toml"), "invariant = \"triangle\""));
+}
+
+TEST_CASE("a formula of a scene becomes a plugin with what it declares") {
+  const TemporaryFolder folder;
+  const std::string scene = FORMULAS;
+  const std::string from = " --from '" + scene + "' --law ";
+  REQUIRE(testing::springnet(folder, "plugin new bond" + from + "body.0.spring").status == 0);
+  const std::string source = testing::read_text(folder.path() / "bond/bond.cpp");
+  CAPTURE(source);
+  CHECK(has(source, "number(\"depth\", \"J\", \"of the well\").above(0).at_most(100).learnable(5)"));
+  CHECK(has(source, "number(\"table\", \"1/m\", \"\").at_least(0.1)};"));
+  CHECK(has(source, "*summary = \"a bond, \\\"as Morse has it\\\" \\\\ tested\";"));
+  CHECK(has(source, "double smallest_stretch = 0.2;\n  static constexpr double largest_stretch = 3;"));
+  CHECK_FALSE(has(source, "TODO"));
+  CHECK(has(testing::read_text(folder.path() / "bond/bond.toml"), "{ type = \"bond\", depth = 2.0, table = 3.0 }"));
+  CHECK(has(testing::read_text(folder.path() / "bond/bond.toml"), "[[0, 0, 0], [0, 0, -0.5], [0, 0.05, -1]]"));
+  REQUIRE(testing::springnet(folder, "plugin new slow" + from + "element.1.viscosity").status == 0);
+  CHECK(has(testing::read_text(folder.path() / "slow/slow.cpp"), "struct SlowLaw : ViscosityFunction"));
+  CHECK(has(testing::read_text(folder.path() / "slow/slow.toml"), "soft_x = [0.0, 1.0], soft_y = [0.0, 0.001] }"));
+
+  const Answer several = testing::springnet(folder, "plugin new law --from '" + scene + "'");
+  CHECK(several.status == 2);
+  CHECK(has(several.err, "the scene has several formulas; '--law KEY' takes one of body.0.spring, body.0.viscosity"));
+  const Answer other = testing::springnet(folder, "plugin new law" + from + "body.0.sprung");
+  CHECK(other.status == 2);
+  CHECK(has(other.err, "no formula stands at 'body.0.sprung'; did you mean 'body.0.spring'"));
+  const Answer kind = testing::springnet(folder, "plugin new law --kind viscosity" + from + "body.0.spring");
+  CHECK(kind.status == 2);
+  CHECK(has(kind.err, "the formula at 'body.0.spring' is a spring function; leave --kind out"));
+  folder.write("plain.toml",
+               "[simulation]\nduration = 1\ntime_step = 1\n[[body]]\nname = \"b\"\nnodes = [[0, 0, 0], [1, 0, 0]]\n"
+               "springs = [[0, 1]]\nneuron = { type = \"point_mass\", mass = 1 }\nspring = { type = \"linear\", "
+               "stiffness = 1 }\n");
+  const Answer none = testing::springnet(folder, "plugin new law --from plain.toml");
+  CHECK(none.status == 2);
+  CHECK(has(none.err, "no law of the scene is a formula"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "law"));
+}
+
+TEST_CASE("'plugin show' of a scene lists what its formulas read and declare") {
+  const TemporaryFolder folder;
+  const Answer shown = testing::springnet(folder, std::string("plugin show '") + FORMULAS + "'");
+  CAPTURE(shown.err);
+  CHECK(shown.status == 0);
+  CHECK(has(shown.out, "body.0.spring (spring function)"));
+  CHECK(has(shown.out, "stretch  0.2 to 3"));
+  CHECK(has(shown.out, "not zero at rest"));
+  CHECK(has(shown.out, "of the well (learnable)"));
+  CHECK(has(shown.out, "element.1.viscosity (viscosity function)"));
+  const Answer json = testing::springnet(folder, std::string("plugin show --json '") + FORMULAS + "'");
+  CHECK(has(json.out, "\"id\": \"spring.0.spring\""));
+  folder.write("bad.toml", "[simulation]\n");
+  CHECK(testing::springnet(folder, "plugin show bad.toml").status == 2);
 }
 
 TEST_CASE("a new plugin overwrites nothing, and leaves nothing behind if it fails") {

@@ -21,11 +21,19 @@
 
 namespace springnet {
 
-// A parameter or an input signal of a formula.
+// A parameter or an input signal of a formula. Bounds and scale are in its unit.
 struct FormulaSymbol {
-  std::string name;       // lower-case letters, digits and '_', a letter first
-  std::string unit = "";  // SI, as "N/m", "1" for none; empty: not said, and not checked
-  double preset = std::numeric_limits<double>::quiet_NaN();  // nan: a use has to give it; of an input: 0
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+  std::string name;                                 // lower-case letters, digits and '_', a letter first
+  std::string unit = "";                            // SI, as "N/m", "1" for none; empty: not said, and not checked
+  double preset = none;                             // nan: a use has to give it; of an input: 0
+  std::string summary = "";                         // one line
+  double smallest = -infinity, largest = infinity;  // values beyond are refused
+  bool excludes_smallest = false;                   // values must be above `smallest`
+  double scale = none;                              // typical magnitude, above 0; nan: that of the preset, or 1
+  bool learnable = true;                            // of a parameter: identification may change it
 };
 // A function given by points, which formulas call by its name: the monotone cubic of Fritsch and Carlson through them,
 // straight beyond the first and the last.
@@ -34,12 +42,16 @@ struct FormulaCurve {
   std::vector<double> x, y;
 };
 // An internal state of a law: it starts at `start` and changes by `rate`, a formula that may read it. Steps are those
-// of the SDK (backward Euler, and its extrapolation of second order).
+// of the SDK (backward Euler, and its extrapolation of second order); one that would leave the bounds is tried again
+// with smaller steps, as with a law in C++.
 struct FormulaState {
   std::string name;
   std::string rate;  // per second
   double start = 0.0;
   std::string unit = "";
+  std::string summary = "";  // one line
+  double smallest = -FormulaSymbol::infinity, largest = FormulaSymbol::infinity;
+  double scale = FormulaSymbol::none;  // typical magnitude, above 0, for tolerances; nan: that of the start, or 1
 };
 // One of the scalars that a law over several of them reads: "length(0, 1)", "angle(0, 1, 2)", "area(0, 1, 2)",
 // "volume(0, 1, 2, 3)", "dihedral(0, 1, 2, 3)" of the nodes of an element.
@@ -59,6 +71,14 @@ struct LawFormula {
   Invariant shape = Invariant::triangle;
   std::vector<FormulaScalar> scalars;
   std::vector<std::string> forces;
+  // Where the formulas hold: value / reference, of a law over one invariant. As with laws in C++, the formulas
+  // themselves have to be nan beyond.
+  double smallest_stretch = 0.0, largest_stretch = FormulaSymbol::infinity;
+  // What the law promises: the constants of these names of laws in C++ (sdk/README.md); pulls_only is the opposite of
+  // acts_in_compression.
+  bool pulls_only = false, monotone = false, not_zero_at_rest = false, adds_power = false;
+  bool smooth_rates = false;  // of a law with states
+  std::string summary;        // one line; empty: the formula
 };
 
 // Names in the formulas that are none of the language's, of `inputs` and of `curves`, in the order in which they
@@ -68,6 +88,9 @@ struct LawFormula {
 // The law as a component. Throws Error(input) that says what is wrong, with its column and a caret: a name that is not
 // known, a parameter that no formula reads, units that do not fit, a formula that is too long.
 [[nodiscard]] SPRINGNET_API std::shared_ptr<const Component> component_of(const LawFormula& formula);
+
+// The formula that a component was made of by component_of(), as long as the component lives; null for all others.
+[[nodiscard]] SPRINGNET_API const LawFormula* formula_of(const Component& component);
 
 // A use of it in a material, with values of its parameters.
 [[nodiscard]] SPRINGNET_API LawUse law_of(const LawFormula& formula, const ParameterValues& parameters);
