@@ -36,7 +36,7 @@ compares both.
 
 Examples:
   springnet plugin new tendon --kind spring
-  springnet plugin new fene --kind spring --formula "stiffness*e/(1 - (e/limit)^2)" --set stiffness="3 N/m" --set limit="0.5 m"
+  springnet plugin new fene --kind spring --formula "if(abs(e) < limit, stiffness*e/(1 - (e/limit)^2), nan)" --set stiffness="3 N/m" --set limit="0.5 m"
   springnet plugin new honey --kind viscosity --formula "drag*rate*(1 + rate^2)" -o plugins/honey
   springnet plugin new morse --kind spring --energy "depth*(1 - exp(-width*e))^2" --margin "2 - stretch"
   springnet plugin new dashpot --kind spring --formula "stiffness*(e - z)" --state "z: (e - z)/relaxation"
@@ -82,11 +82,10 @@ void read_set(const std::string& text, LawFormula& law, ParameterValues& values)
     std::vector<std::string> known;
     for (const FormulaSymbol& each : law.parameters) known.push_back(each.name);
     const std::string near = suggestion(name, known);
-    refuse(fmt::format("the formula has no such parameter{}{}", near.empty() ? "" : "; ", near));
+    refuse(fmt::format("the formula has no parameter '{}'{}{}", printable(name), near.empty() ? "" : "; ", near));
   }
   if (!values.emplace(name, value).second) refuse("given twice");
   parameter->unit = std::string(std::find_if(rest, end, [](char c) { return c != ' '; }), end);
-  if (parameter->unit.empty()) parameter->unit = "1";
   if (value != 0.0) parameter->scale = std::abs(value);
 }
 

@@ -52,6 +52,20 @@ std::string function_text(const SourceFunction& function) {
   return text + "\n  }\n";
 }
 
+// What the parameters still lack.
+std::string to_do(const LawFormula& law, const FormulaSource& source) {
+  bool units = true, meanings = true;
+  for (const std::string& name : source.parameters)
+    for (const FormulaSymbol& each : law.parameters) {
+      if (each.name != name) continue;
+      units = units && !each.unit.empty();
+      meanings = meanings && !each.summary.empty();
+    }
+  if (units && meanings) return {};
+  return fmt::format("  // TODO: {}meanings and bounds, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n",
+                     units ? "" : "units, ");
+}
+
 }  // namespace
 
 std::string in_one_line(std::string_view formula) {
@@ -84,12 +98,7 @@ std::string law_source(const PluginProject& project, const std::string& type) {
   const bool fits = start.size() + id.size() + summary.size() <= line_length;
   text += start + id + (fits ? " " : "\n" + std::string(start.size(), ' ')) + summary;
   for (const std::string& declaration : source.declarations) text += "  " + declaration + "\n";
-  const auto is_described = [&](const std::string& name) {
-    const auto is_it = [&](const FormulaSymbol& each) { return each.name == name && !each.unit.empty(); };
-    return std::any_of(law.parameters.begin(), law.parameters.end(), is_it);
-  };
-  if (!std::all_of(source.parameters.begin(), source.parameters.end(), is_described))
-    text += "  // TODO: units, meanings and bounds, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n";
+  text += to_do(law, source);
   for (const SourceList& list : source.lists) text += list_text(list);
   if (!source.prepare.empty()) text += "  " + source.prepare + "\n";
   text += "\n";
