@@ -8,9 +8,13 @@
 #include <malloc.h>
 #endif
 
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define SPRINGNET_COUNTS_HEAP
+#endif
+
 namespace springnet::check {
 
-#if defined(__GLIBC__)
+#ifdef SPRINGNET_COUNTS_HEAP
 namespace {
 
 // glibc counts what its cache of a thread keeps of freed memory as in use. Filled up, it always keeps the same.
@@ -27,7 +31,7 @@ void fill_cache() {
 #endif
 
 std::optional<std::size_t> heap_in_use() {
-#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifdef SPRINGNET_COUNTS_HEAP
   fill_cache();
   const struct mallinfo2 info = mallinfo2();
   return info.uordblks + info.hblkhd;
