@@ -18,7 +18,8 @@ constexpr double length_accuracy = 1e-8;  // relative; the integrators keep leng
 // A string that identifies a use: equal for equal uses only.
 std::string key_of(const LawUse& use, std::string_view what) {
   if (use.id.empty()) fail(fmt::format("a {} has no id: name a component of a plugin", what));
-  std::string key = fmt::format("{}:{};", use.id.size(), use.id);
+  // Laws given as formulas have one id, and components of their own, which the network keeps.
+  std::string key = fmt::format("{}:{};{};", use.id.size(), use.id, static_cast<const void*>(use.component.get()));
   for (const auto& [name, value] : use.parameters) {
     if (!std::isfinite(value)) {
       fail(fmt::format("{} '{}': parameter '{}' must be a finite number, is {}", what, use.id, name, value));

@@ -1,9 +1,12 @@
 // Laws as formulas in scenes: what the page of formulas shows, and mistakes with their places.
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <string>
 
 #include <doctest/doctest.h>
+
+#include <springnet/simulation.hpp>
 
 #include "facts.hpp"
 #include "scenes.hpp"
@@ -109,4 +112,17 @@ TEST_CASE("mistakes in formulas of scenes are told with file, line, column, key 
           "'size(0, 1)' is none | area(0, 1, 2)");
   refused(element + "spring = { formula = { b = \"k*a\" }, k = 1, scalars = { a = \"length(0, 1)\" } }\n",
           "formula.b | no such name");
+}
+
+TEST_CASE("two formulas with parameters of the same names and values are two laws") {
+  const std::string text = chain("spring = { formula = \"k*(length - 0.5)\", k = 2 }") +
+                           "[[body]]\nname = \"other\"\nnodes = [[0, 0, 1], [1, 0, 1]]\nsprings = [[0, 1]]\n"
+                           "neuron = { type = \"point_mass\", mass = 1.0 }\n"
+                           "spring = { formula = \"10*k*(length - 0.5)\", k = 2 }\n";
+  const Scene scene = parse(text);
+  CHECK(scene.network.materials().size() == 2);
+  const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
+  const Simulation run(scene.network, host, scene.options);
+  CHECK(run.tension(0) == 1.0);
+  CHECK(run.tension(2) == 10.0);
 }
