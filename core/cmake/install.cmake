@@ -20,9 +20,14 @@ install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include/ ${PROJECT_SOURCE_DIR}/sdk
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 set(documentation_folder ${CMAKE_INSTALL_DATAROOTDIR}/doc/springnet)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${documentation_folder})
-install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/docs/ DESTINATION ${documentation_folder})
-install(FILES ${PROJECT_SOURCE_DIR}/sdk/README.md DESTINATION ${documentation_folder} RENAME sdk.md)
-install(FILES ${PROJECT_SOURCE_DIR}/sdk/integrators.md DESTINATION ${documentation_folder})
+install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/docs/ DESTINATION ${documentation_folder} PATTERN "*.md" EXCLUDE)
+install(CODE "
+  set(core \"${CMAKE_CURRENT_SOURCE_DIR}\")
+  set(sdk \"${PROJECT_SOURCE_DIR}/sdk\")
+  set(folder \"${documentation_folder}\")
+  set(include_folder \"${CMAKE_INSTALL_INCLUDEDIR}\")
+  set(data_folder \"${CMAKE_INSTALL_DATAROOTDIR}/springnet\")")
+install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/documentation.cmake)
 # `springnet new --example` copies from here. What sets up the sources' tree stays there.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/springnet/examples
   USE_SOURCE_PERMISSIONS

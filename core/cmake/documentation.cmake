@@ -1,0 +1,23 @@
+# At installation: the pages, with links that lead from where they are installed. Sources of plugins are not installed; a
+# link to one becomes text. Set before: core, sdk (folders of the sources), folder (of the documentation), include_folder
+# and data_folder, relative to the prefix.
+set(to "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${folder}")
+file(RELATIVE_PATH headers "/${folder}" "/${include_folder}")
+file(RELATIVE_PATH data "/${folder}" "/${data_folder}")
+file(GLOB pages "${core}/docs/*.md")
+foreach(page IN LISTS pages ITEMS "${sdk}/README.md" "${sdk}/integrators.md")
+  get_filename_component(name "${page}" NAME)
+  if(page STREQUAL "${sdk}/README.md")
+    set(name sdk.md)
+  endif()
+  file(READ "${page}" text)
+  string(REGEX REPLACE "\\]\\((\\.\\./)*(sdk/)?README\\.md" "](sdk.md" text "${text}")
+  string(REGEX REPLACE "\\]\\((\\.\\./)+(core/docs|sdk)/([a-z]+\\.md)" "](\\3" text "${text}")
+  string(REGEX REPLACE "\\]\\((\\.\\./)*(sdk/)?include/" "](${headers}/" text "${text}")
+  string(REGEX REPLACE "\\]\\((\\.\\./)+examples/" "](${data}/examples/" text "${text}")
+  string(REGEX REPLACE "\\]\\(template" "](${data}/template" text "${text}")
+  string(REGEX REPLACE "\\[([^]\n]*)\\]\\((\\.\\./)+plugins/[^)]*\\)" "\\1" text "${text}")
+  string(REGEX REPLACE "\\[([^]\n]*)\\]\\(cmake/[^)]*\\)" "\\1" text "${text}")
+  file(WRITE "${to}/${name}.new" "${text}")
+  file(RENAME "${to}/${name}.new" "${to}/${name}")
+endforeach()
