@@ -363,6 +363,8 @@ int show(const ShowArguments& arguments) {
     print_plotted(plot_scene(id, *host, plot), plot.file);
     return done;
   }
+  if (id.ends_with(".toml") && sample)
+    throw Error(ErrorKind::input, "--sample prints a scene that uses a component; this is a scene already");
   if (id.ends_with(".toml")) return show_formulas(id, *host, json);
   std::vector<std::shared_ptr<const Component>> found;
   for (const KindWord& kind : kind_words) {

@@ -253,6 +253,19 @@ std::string find_setting(PluginProject& project, bool from_scene) {
   return trouble;
 }
 
+// "stiffness = 3 N/m, limit = 1": those of a formula, so that a typing mistake among them is seen.
+std::string parameters_text(const PluginProject& project) {
+  std::vector<std::string> texts;
+  if (!project.formula) return {};
+  for (const FormulaSymbol& each : project.formula->parameters) {
+    const auto value = project.values.find(each.name);
+    texts.push_back(fmt::format("{} = {:g}{}{}", each.name,
+                                value == project.values.end() ? project.value : value->second,
+                                each.unit.empty() || each.unit == "1" ? "" : " ", each.unit == "1" ? "" : each.unit));
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
 int write_project(const PluginNewArguments& arguments) {
   PluginProject project = arguments.project;
   const bool from_scene = !arguments.scene.empty();
@@ -278,6 +291,8 @@ int write_project(const PluginNewArguments& arguments) {
   std::vector<Planned> files;
   for (ProjectFile& file : files_of(project)) files.push_back({folder / file.name, {}, std::move(file.text)});
   write_all(folder, files);
+  if (const std::string parameters = parameters_text(project); !parameters.empty())
+    fmt::print("Parameters: {}\n", parameters);
   if (!trouble.empty())
     fmt::print("The test will fail until {}.toml has values that suit the law{}. {}: {}\n", project.name,
                from_scene ? "" : " (--set gives them)",
