@@ -23,7 +23,8 @@ namespace {
 // Names that an enumerator of a law's class cannot have: keywords, macros of the C library, members of the class and of
 // its bases that the SDK reads, the names in the statements.
 constexpr std::string_view taken_names =
-    " alignas alignof and and_eq asm auto bitand bitor bool break case catch char class co_await co_return co_yield "
+    " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class "
+    "co_await co_return co_yield "
     "compl concept const const_cast consteval constexpr constinit continue decltype default delete do double "
     "dynamic_cast else enum explicit export extern false float for friend goto if inline int long mutable namespace "
     "new noexcept not not_eq nullptr operator or or_eq private protected public register reinterpret_cast requires "

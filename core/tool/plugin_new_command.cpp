@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <system_error>
@@ -118,22 +120,38 @@ void check_name(const PluginProject& project) {
                          printable(component->plugin->id), printable_message(component->file.string())));
 }
 
+using Clock = std::chrono::steady_clock;
+
 // How well the scene works with a value for all parameters of the law, which mean anything: whether it runs, and as the
 // reference does. Empty: well; else what is wrong.
-std::string trouble_with(const PluginProject& project) {
+std::string trouble_with(const PluginProject& project, Clock::time_point deadline) {
   constexpr double tolerance = 0.005;  // half of what the test allows
+  bool late = false;
+  ValidationOptions options;
+  options.progress = [&](const ValidationProgress&) { return !(late = Clock::now() > deadline); };
   try {
     const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
     Scene scene = parse_scene(scene_with_formula(project), project.name, *host);
     scene.options.threads = 1;
-    const Validation validation = validate(scene, host);
+    const Validation validation = validate(scene, host, options);
     const ValidationRun& own = validation.run_of_scene();
     if (!own.finished()) return own.failure;
     if (!validation.within(tolerance)) return "the motion differs from that of the reference";
     return {};
   } catch (const Error& error) {
-    return error.what();
+    return late ? "the reference takes more than some seconds" : error.what();
   }
+}
+
+// A word that a shell takes as it is.
+std::string for_shell(const std::string& word) {
+  const auto is_plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '/' || c == '.' || c == '_' || c == '-';
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 // Where this springnet is installed; a placeholder if it is not.
@@ -142,7 +160,7 @@ std::string prefix() {
   const std::filesystem::path root =
       std::filesystem::weakly_canonical(boost::dll::program_location()).parent_path().parent_path();
   const bool installed = std::filesystem::exists(root / SPRINGNET_DATA_FOLDER / "springnet" / "template", unknown);
-  return installed ? fmt::format("'{}'", root.string()) : "<where springnet is installed>";
+  return installed ? for_shell(root.string()) : "<where springnet is installed>";
 }
 
 // "z: rate" at the first of `between`.
@@ -242,10 +260,14 @@ std::string find_setting(PluginProject& project, bool from_scene) {
     project.mass = setting.mass;
     project.time_step = setting.time_step;
   };
+  // One law may suit none, and make each take its time.
+  constexpr std::chrono::seconds one{3}, all{8};
+  const Clock::time_point end = Clock::now() + all;
   std::string trouble;
   for (const Setting& setting : settings) {
+    if (Clock::now() > end) break;
     set(setting);
-    const std::string now = trouble_with(project);
+    const std::string now = trouble_with(project, std::min(end, Clock::now() + one));
     if (now.empty()) return {};
     if (trouble.empty()) trouble = now;
   }
@@ -300,7 +322,7 @@ int write_project(const PluginNewArguments& arguments) {
                : project.values.empty() ? "With all parameters 1"
                                         : "With these",
                printable_message(trouble));
-  const std::string where = printable_message(folder.string());
+  const std::string where = for_shell(printable_message(folder.string()));
   fmt::print(
       "Next:\n"
       "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n"

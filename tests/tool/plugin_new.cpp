@@ -154,6 +154,20 @@ TEST_CASE("what 'plugin new' cannot do is a usage error, and nothing is written"
   }
 }
 
+TEST_CASE("the next commands can be copied whatever the folder's name") {
+  const TemporaryFolder folder;
+  const auto answer = testing::springnet(folder, "plugin new law --kind spring -o 'a b;$(x)'");
+  CHECK(answer.status == 0);
+  CHECK(has(answer.out, "cmake --build 'a b;$(x)'/build\n"));
+}
+
+TEST_CASE("a law too stiff for all settings of the scene does not hold up its project") {
+  const TemporaryFolder folder;
+  const auto answer = testing::springnet(folder, "plugin new stiff --kind spring --formula '1e12*e'");
+  CHECK(answer.status == 0);
+  CHECK(has(answer.out, "The test will fail until stiff.toml has values"));
+}
+
 TEST_CASE("options give all of a law") {
   const TemporaryFolder folder;
   REQUIRE(testing::springnet(folder,
