@@ -39,10 +39,12 @@ struct Target {
   What what = What::file;
   std::string name;                   // of a file or a scene: its path; of a component "id" or "id@plugin"
   std::optional<ComponentKind> kind;  // of components only this
+  // Of a scene: reads the network from its file; may throw. Called in the process that loads plugins.
+  std::function<Network(const std::filesystem::path& scene, const PluginHost& host)> read = {};
 };
 // All components of a plugin's file, all laws of a scene, or components that are installed. A plugin of the search path
-// that ends the process while it is loaded is told and left out. Throws Error as load_scene() does, and Error(plugin)
-// for a component that is not there.
+// that ends the process while it is loaded is told and left out. Throws Error with what Target::read throws, and
+// Error(plugin) for a component that is not there.
 [[nodiscard]] Report check_target(const Target& target, const Options& options);
 [[nodiscard]] inline Report check_file(const std::filesystem::path& file, const Options& options) {
   return check_target({Target::What::file, file.string(), {}}, options);

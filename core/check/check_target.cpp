@@ -13,7 +13,6 @@
 #include <springnet/error.hpp>
 #include <springnet/plugin_search.hpp>
 #include <springnet/printable.hpp>
-#include <springnet/scene.hpp>
 
 #include "check/check.hpp"
 
@@ -148,8 +147,7 @@ void check_here(const Target& target, Options options, const Files& left_out) {
     }
     case Target::What::scene: {
       now_doing("the scene is loaded");
-      const Scene scene = load_scene(target.name, *options.host);
-      check_laws_of(scene.network, options, listener);
+      check_laws_of(target.read(target.name, *options.host), options, listener);
       break;
     }
     case Target::What::component:

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <springnet/scene.hpp>
 
 #include "check/check.hpp"
 #include "commands.hpp"
@@ -54,7 +55,12 @@ check::Target target_of(const CheckArguments& arguments) {
   const bool is_file = std::filesystem::is_regular_file(path, unreadable) || path.has_parent_path() ||
                        path.stem().extension() == ".springnet";
   if (is_file) target.what = What::file;
-  if (path.extension() == ".toml") target.what = What::scene;
+  if (path.extension() == ".toml") {
+    target.what = What::scene;
+    target.read = [](const std::filesystem::path& scene, const PluginHost& host) {
+      return load_scene(scene, host).network;
+    };
+  }
   return target;
 }
 
