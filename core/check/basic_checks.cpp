@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -77,6 +78,7 @@ Outcome check_rest(const LawSubject& subject) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
   if (call.has(SPRINGNET_NOT_ZERO_AT_REST)) return {Result::passed, "declares a force at rest"};
+  const std::string declare = declaring(call.component(), "SPRINGNET_NOT_ZERO_AT_REST", "not zero at rest");
   // Rounding of the formula, in units of the force at a tenth of strain.
   constexpr double tolerance = 1e-9;
   for (std::size_t size = 0; size < Points::sizes; ++size) {
@@ -91,9 +93,8 @@ Outcome check_rest(const LawSubject& subject) {
       moved[l.rate()] = 0.1 * rest[l.reference()];
       const double scale = std::max(std::abs(call.rows_at(moved)[0]), 1e-300);
       if (!(std::abs(rows[0]) <= tolerance * scale))
-        return {can_declare(call.component()) ? Result::failed : Result::warned,
-                fmt::format("the force is {:.6g} {}: correct it, or declare SPRINGNET_NOT_ZERO_AT_REST", rows[0],
-                            place(call, rest))};
+        return {Result::failed,
+                fmt::format("the force is {:.6g} {}: correct it, or {}", rows[0], place(call, rest), declare)};
       continue;
     }
     // Forces on several scalars may balance one another at the nodes. The scale is that of a tenth of strain.
@@ -113,10 +114,9 @@ Outcome check_rest(const LawSubject& subject) {
       scale = std::max(scale, std::abs(force));
     for (std::size_t k = 0; k < at_rest.size(); ++k)
       if (!(std::abs(at_rest[k]) <= tolerance * scale))
-        return {can_declare(call.component()) ? Result::failed : Result::warned,
-                fmt::format("node {} gets the force {:.6g} {} (at a tenth of strain {:.3g}): correct it, or declare "
-                            "SPRINGNET_NOT_ZERO_AT_REST",
-                            k / 3, at_rest[k], place(call, rest), scale)};
+        return {Result::failed,
+                fmt::format("node {} gets the force {:.6g} {} (at a tenth of strain {:.3g}): correct it, or {}", k / 3,
+                            at_rest[k], place(call, rest), scale, declare)};
   }
   return {};
 }

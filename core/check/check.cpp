@@ -17,12 +17,16 @@
 namespace springnet::check {
 namespace {
 
-// A check with the earlier ones whose failure leaves it without meaning.
-struct LawCheck {
+// A check with the earlier ones whose failure leaves it without meaning, and the threads that it uses at a time.
+template <class Run>
+struct Check {
   std::string_view name;
-  Outcome (*run)(const LawSubject&);
+  Run* run;
   std::vector<std::string_view> needs;
+  unsigned threads = 1;
 };
+
+using LawCheck = Check<Outcome(const LawSubject&)>;
 const std::vector<LawCheck>& law_checks() {
   static const std::vector<LawCheck> checks{
       {"call", check_call, {"load"}},
@@ -32,7 +36,7 @@ const std::vector<LawCheck>& law_checks() {
       {"energy", check_energy, {"finite"}},
       {"derivatives", check_derivatives, {"finite"}},
       {"dissipation", check_dissipation, {"energy"}},
-      {"batches", check_batches, {"arrays"}},
+      {"batches", check_batches, {"arrays"}, 4},
       {"states", check_states, {"finite", "batches"}},
       {"promises", check_promises, {"finite"}},
       {"order", check_order, {"finite", "derivatives", "batches", "states"}},
@@ -42,11 +46,7 @@ const std::vector<LawCheck>& law_checks() {
   return checks;
 }
 
-struct NeuronCheck {
-  std::string_view name;
-  Outcome (*run)(const Component&, std::uint64_t);
-  std::vector<std::string_view> needs;
-};
+using NeuronCheck = Check<Outcome(const Component&, std::uint64_t)>;
 const std::vector<NeuronCheck>& neuron_checks() {
   static const std::vector<NeuronCheck> checks{
       {"call", check_neuron_call, {"load"}},         {"arrays", check_neuron_arrays, {"call"}},
@@ -55,69 +55,74 @@ const std::vector<NeuronCheck>& neuron_checks() {
   return checks;
 }
 
-struct IntegratorCheck {
-  std::string_view name;
-  Outcome (*run)(const Component&, const PluginHost&);
-  std::vector<std::string_view> needs;
-};
+using IntegratorCheck = Check<Outcome(const Component&, const PluginHost&)>;
 const std::vector<IntegratorCheck>& integrator_checks() {
   static const std::vector<IntegratorCheck> checks{
       {"call", check_integrator_call, {"load"}},         {"order", check_integrator_order, {"call"}},
       {"momentum", check_integrator_momentum, {"call"}}, {"states", check_integrator_states, {"order"}},
       {"events", check_integrator_events, {"order"}},    {"contact", check_integrator_contact, {"order"}},
       {"rigid", check_integrator_rigid, {"order"}},      {"refusals", check_integrator_refusals, {"call"}},
-      {"options", check_integrator_options, {"call"}},   {"repeats", check_integrator_repeats, {"call"}},
+      {"options", check_integrator_options, {"call"}},   {"repeats", check_integrator_repeats, {"call"}, 4},
       {"memory", check_integrator_memory, {"repeats"}},  {"leaks", check_integrator_leaks, {"call"}}};
   return checks;
 }
 
-// Findings of one component, in the order of the checks.
+// Runs the checks of one component, in their order: those that are wanted, and what these need.
 class Judge {
  public:
-  Judge(const Component& component, const Options& options, Report& report)
-      : id_(component.id()), kind_(name_of(component.kind())), options_(options), report_(report) {}
+  Judge(const Component& component, const Options& options, const Listener& listener)
+      : component_(component), options_(options), listener_(listener) {}
 
-  [[nodiscard]] bool wanted(std::string_view check) const { return options_.only.empty() || options_.only == check; }
-
-  void note(std::string_view check, const Outcome& outcome) {
-    if (is_bad(outcome.result) || outcome.result == Result::skipped) bad_.insert(check);
-    report_.findings.push_back({id_, kind_, std::string(check), outcome});
-  }
-  void run(std::string_view check, const std::vector<std::string_view>& needs, const char* subject,
-           const std::function<Outcome()>& body) {
-    if (!wanted(check)) return;
-    for (const std::string_view need : needs)
-      if (bad_.contains(need)) return note(check, {Result::skipped, fmt::format("needs '{}'", need)});
-    Outcome outcome = run_in_child(body, options_.limits, subject);
-    outcome.why = printable_message(outcome.why);
-    note(check, outcome);
+  // body: calls a check's function.
+  template <class Run, class Body>
+  void run(const std::vector<Check<Run>>& checks, const char* subject, const Body& body) {
+    std::set<std::string_view> needed{options_.only};
+    for (auto check = checks.rbegin(); check != checks.rend(); ++check)
+      if (needed.contains(check->name)) needed.insert(check->needs.begin(), check->needs.end());
+    const bool all = options_.only.empty();
+    if (all || needed.contains("load")) note("load", check_texts(component_));
+    for (const Check<Run>& check : checks)
+      if (all || needed.contains(check.name)) note(check.name, outcome_of(check, subject, body));
   }
 
  private:
-  std::string id_, kind_;
+  template <class Run, class Body>
+  [[nodiscard]] Outcome outcome_of(const Check<Run>& check, const char* subject, const Body& body) const {
+    for (const std::string_view need : check.needs)
+      if (bad_.contains(need)) return {Result::skipped, fmt::format("needs '{}'", need)};
+    Limits limits = options_.limits;
+    limits.threads = check.threads;
+    now_doing(fmt::format("check '{}' runs", check.name).c_str());
+    Outcome outcome = run_in_child([&] { return body(*check.run); }, limits, subject);
+    outcome.why = printable_message(outcome.why);
+    return outcome;
+  }
+  // What is only needed is told if it is wrong.
+  void note(std::string_view check, const Outcome& outcome) {
+    if (is_bad(outcome.result) || outcome.result == Result::skipped) bad_.insert(check);
+    if (options_.only.empty() || options_.only == check || is_bad(outcome.result))
+      listener_({std::string(component_.id()), std::string(name_of(component_.kind())), std::string(check), outcome});
+  }
+
+  const Component& component_;
   const Options& options_;
-  Report& report_;
+  const Listener& listener_;
   std::set<std::string_view> bad_;  // failed or skipped
 };
 
 // scene: of a law that a scene uses; null: none.
 void check_one(const std::shared_ptr<const Component>& component, const SceneLaw* scene, const Options& options,
-               Report& report) {
-  Judge judge(*component, options, report);
-  if (judge.wanted("load")) judge.note("load", check_texts(*component));
+               const Listener& listener) {
+  Judge judge(*component, options, listener);
   switch (component->kind()) {
     case ComponentKind::neuron:
-      for (const NeuronCheck& check : neuron_checks())
-        judge.run(check.name, check.needs, "the neuron", [&] { return check.run(*component, options.seed); });
-      break;
+      return judge.run(neuron_checks(), "the neuron", [&](auto& run) { return run(*component, options.seed); });
     case ComponentKind::integrator:
-      for (const IntegratorCheck& check : integrator_checks())
-        judge.run(check.name, check.needs, "the integrator", [&] { return check.run(*component, *options.host); });
-      break;
+      return judge.run(integrator_checks(), "the integrator",
+                       [&](auto& run) { return run(*component, *options.host); });
     default: {
       const LawSubject subject{component, options.host, scene, options.seed};
-      for (const LawCheck& check : law_checks())
-        judge.run(check.name, check.needs, "the law", [&] { return check.run(subject); });
+      return judge.run(law_checks(), "the law", [&](auto& run) { return run(subject); });
     }
   }
 }
@@ -157,42 +162,28 @@ const std::vector<std::string_view>& check_names() {
   return names;
 }
 
-Report check_components(const std::vector<std::shared_ptr<const Component>>& components, const Options& options) {
-  Report report{options.seed, true, {}};
-  for (const auto& component : components) check_one(component, nullptr, options, report);
-  return report;
+void check_components(const std::vector<std::shared_ptr<const Component>>& components, const Options& options,
+                      const Listener& listener) {
+  for (const auto& component : components) check_one(component, nullptr, options, listener);
 }
 
-Report check_file(const std::filesystem::path& file, const Options& options) {
-  // A constructor of the library may do what it likes: first where it does no harm. The destructors run there, too.
-  const auto load = [&file]() -> Outcome {
-    now_doing("loading the file");
-    PluginHost host;
-    static_cast<void>(host.load(file));
-    if (!host.refusals().empty()) return {Result::failed, host.refusals().front().reason};
-    return {};
-  };
-  Report report{options.seed, true, {}};
-  const Outcome outcome = run_in_child(load, options.limits, "the plugin");
-  if (outcome.result == Result::passed) {
-    PluginHost host;
-    if (host.load(file)) {
-      report = check_components(host.components(), options);
-      return report;
-    }
+void check_laws_of(const Network& network, const Options& options, const Listener& listener) {
+  for (const SceneLaw& law : laws_of(network, *options.host)) {
+    const LawUse& use = law.use;
+    check_one(use.component != nullptr ? use.component : options.host->require(law.kind, use.id), &law, options,
+              listener);
   }
-  report.loaded = false;
-  report.findings.push_back({printable(file.filename().string()), "plugin", "load", outcome});
+}
+
+Report check_components(const std::vector<std::shared_ptr<const Component>>& components, const Options& options) {
+  Report report{options.seed, true, {}};
+  check_components(components, options, [&](const Finding& finding) { report.findings.push_back(finding); });
   return report;
 }
 
 Report check_laws_of(const Network& network, const Options& options) {
   Report report{options.seed, true, {}};
-  for (const SceneLaw& law : laws_of(network, *options.host)) {
-    const LawUse& use = law.use;
-    check_one(use.component != nullptr ? use.component : options.host->require(law.kind, use.id), &law, options,
-              report);
-  }
+  check_laws_of(network, options, [&](const Finding& finding) { report.findings.push_back(finding); });
   return report;
 }
 

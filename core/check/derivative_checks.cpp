@@ -218,14 +218,13 @@ Outcome check_dissipation(const LawSubject& subject) {
   const bool is_speed = !call.several() && call.law().invariant == SPRINGNET_RELATIVE_SPEED;
   if (l.states > 0 && !has_energy) return {Result::passed, "has states without an energy: not known"};
   if (l.states == 0 && !call.reads_rate() && !is_speed) return {Result::passed, "reads no rate"};
-  const Result wrong = can_declare(call.component()) ? Result::failed : Result::warned;
+  const std::string declare = declaring(call.component(), "SPRINGNET_ADDS_POWER", "adds power");
   for (Point& point : ready.points().several(200)) {
     const std::vector<double> rows = call.rows_at(point);
     if (is_speed) {
       if (rows[0] < 0.0)
-        return {wrong, fmt::format("the force {:.6g} speeds the ends up {}: turn its sign, or declare "
-                                   "SPRINGNET_ADDS_POWER",
-                                   rows[0], place(call, point))};
+        return {Result::failed, fmt::format("the force {:.6g} speeds the ends up {}: turn its sign, or {}", rows[0],
+                                            place(call, point), declare)};
       continue;
     }
     Point still = point;
@@ -247,8 +246,8 @@ Outcome check_dissipation(const LawSubject& subject) {
       uncertain += (rounding * std::abs(by_state) + 30.0 * error) * std::abs(rate);
     }
     if (power < -uncertain)
-      return {wrong, fmt::format("it adds the power {:.6g} {}: correct a sign, or declare SPRINGNET_ADDS_POWER", -power,
-                                 place(call, point))};
+      return {Result::failed,
+              fmt::format("it adds the power {:.6g} {}: correct a sign, or {}", -power, place(call, point), declare)};
   }
   return {};
 }

@@ -144,8 +144,12 @@ std::string told(const Along& found) {
                    : fmt::format("finite up to a stretch of {:.4g} alone", *found.high);
 }
 
-Outcome fail(const std::string& what) {
-  return {Result::failed, what + ": declare the stretches and bounds for which the formula holds, or correct it"};
+Outcome fail(const LawCall& call, const std::string& what) {
+  const char* const advice = is_formula(call.component())
+                                 ? "correct the formula, or write for which stretches it holds, stretch = [a, b], and "
+                                   "the bounds of its parameters"
+                                 : "declare the stretches and bounds for which the formula holds, or correct it";
+  return {Result::failed, fmt::format("{}: {}", what, advice)};
 }
 
 // Random elements, elements at rest of each size, and each bound of parameters, states and inputs.
@@ -160,7 +164,7 @@ Outcome finite_points(ReadyLaw& ready) {
   // Elements that move, at each edge of the parameters.
   for (const Point& edge : points.edges(points.any())) all.push_back(edge);
   const Answer answer = call(all);
-  if (answer.status != SPRINGNET_OK) return fail("it fails within its domain: " + answer.message);
+  if (answer.status != SPRINGNET_OK) return fail(call, "it fails within its domain: " + answer.message);
   const bool has_ends = !call.several() && call.law().invariant != SPRINGNET_RELATIVE_SPEED;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string what = not_finite(call, answer, i);
@@ -172,7 +176,7 @@ Outcome finite_points(ReadyLaw& ready) {
       if (found.inside.empty() && ((found.low && stretch < *found.low) || (found.high && stretch > *found.high)))
         continue;
     }
-    return fail(fmt::format("{} {}", what, place(call, all[i])));
+    return fail(call, fmt::format("{} {}", what, place(call, all[i])));
   }
   return {};
 }
@@ -191,21 +195,24 @@ Outcome finite_lines(ReadyLaw& ready) {
     if (found.pole) {
       Point at = from;
       points.stretch(at, found.pole->at);
-      return {can_declare(call.component()) ? Result::failed : Result::warned,
+      const char* const advice = is_formula(call.component())
+                                     ? "write if(…, nan) for nan beyond it, or stretch = [a, b] up to there"
+                                     : "answer nan beyond it, or declare the stretches up to there";
+      return {Result::failed,
               fmt::format("the force has a pole at a stretch of {:.6g}, {:.3g} before and {:.3g} beyond, {}: a step "
-                          "across it would go unnoticed; answer nan beyond it, or declare the stretches up to there",
-                          found.pole->at, found.pole->below, found.pole->above, place(call, at))};
+                          "across it would go unnoticed; {}",
+                          found.pole->at, found.pole->below, found.pole->above, place(call, at), advice)};
     }
-    if (!found.inside.empty()) return fail(found.inside);
+    if (!found.inside.empty()) return fail(call, found.inside);
     if (!found.low && !found.high) continue;
     const double nearest = std::max(found.low.value_or(0.0), 1.0 / found.high.value_or(unbounded));
     if (nearest > 1.0 / 1.05) {
       Point at = from;
       points.stretch(at, 1.0);
-      return fail(told(found) + ", too close to rest, " + place(call, at));
+      return fail(call, told(found) + ", too close to rest, " + place(call, at));
     }
     if (!follows(call, points, from, found))
-      return fail(fmt::format("{}, whatever the parameters, {}", told(found), place(call, from)));
+      return fail(call, fmt::format("{}, whatever the parameters, {}", told(found), place(call, from)));
     if (outcome.why.empty()) outcome.why = fmt::format("{}, which follows from parameters", told(found));
   }
   return outcome;
@@ -222,9 +229,10 @@ Outcome beyond_bounds(ReadyLaw& ready) {
     const Answer answer = call({point});
     if (answer.status == SPRINGNET_OK && std::isfinite(answer.rows[0][0]))
       return {Result::warned,
-              fmt::format("the force is {:.4g} at {:g} times the {} stretch, {:g}: return NaN there, so that a step "
-                          "across the limit is noticed",
-                          answer.rows[0][0], factor, name, bound)};
+              fmt::format("the force is {:.4g} at {:g} times the {} stretch, {:g}: {} there, so that a step across the "
+                          "limit is noticed",
+                          answer.rows[0][0], factor, name, bound,
+                          is_formula(call.component()) ? "write if(…, nan) for nan" : "return NaN")};
     told += fmt::format("{} the {} stretch, {:g}, it answers nan", told.empty() ? "beyond" : ", beyond", name, bound);
     return {};
   };
@@ -258,7 +266,11 @@ Outcome check_finite(const LawSubject& subject) {
       if (what.empty()) break;
     }
     if (!what.empty())
-      return {Result::failed, fmt::format("{} with a reference of 0: declare SPRINGNET_DIVIDES_BY_REFERENCE", what)};
+      return {Result::failed,
+              fmt::format("{} with a reference of 0: {}", what,
+                          is_formula(call.component())
+                              ? "use `strain` or `stretch`, so that elements with that reference are refused"
+                              : "declare SPRINGNET_DIVIDES_BY_REFERENCE")};
   }
   const Outcome beyond = beyond_bounds(ready);
   return lines.result != Result::passed || beyond.why.empty() ? lines : beyond;

@@ -17,8 +17,6 @@ namespace {
 
 constexpr double amplitude = 0.2;  // m
 
-LawUse hooke() { return law_by_formula("k*e", {{"k", oscillator::stiffness}}); }
-
 // An integrator that chooses its steps keeps a tolerance instead: its error does not depend on the time step.
 constexpr double exact = 1e-3;
 bool is_independent(const Trial& trial, double error, double order) {
@@ -29,7 +27,7 @@ bool is_independent(const Trial& trial, double error, double order) {
 
 Outcome check_integrator_call(const Component& component, const PluginHost& host) {
   now_doing("making a step of an oscillator");
-  Simulation simulation = Trial(component, host).run(pair(hooke(), {amplitude, 0.0}), 0.01);
+  Simulation simulation = Trial(component, host).run(pair(oscillator::hooke(), {amplitude, 0.0}), 0.01);
   static_cast<void>(simulation.step());
   return {};
 }
@@ -42,7 +40,7 @@ Outcome check_integrator_order(const Component& component, const PluginHost& hos
   std::array<double, 3> errors{};
   double energy = 0.0;  // at the end, in units of that at the start
   for (std::size_t level = 0; level < errors.size(); ++level) {
-    Simulation simulation = trial.run(pair(hooke(), start), 0.02 / static_cast<double>(1 << level));
+    Simulation simulation = trial.run(pair(oscillator::hooke(), start), 0.02 / static_cast<double>(1 << level));
     simulation.advance_to(duration);
     const oscillator::State end = state_of(simulation);
     errors[level] = distance(end, start.after(duration)) / amplitude;
@@ -66,7 +64,7 @@ Outcome check_integrator_order(const Component& component, const PluginHost& hos
 
 Outcome check_integrator_momentum(const Component& component, const PluginHost& host) {
   now_doing("simulating two free masses");
-  Simulation simulation = Trial(component, host).run(pair(hooke(), {amplitude, 0.0}, true), 0.01);
+  Simulation simulation = Trial(component, host).run(pair(oscillator::hooke(), {amplitude, 0.0}, true), 0.01);
   const Vector3 before = simulation.momentum();
   simulation.advance_to(1.0);
   // Of what the spring exchanges between the two, up to tolerances of an iteration.
@@ -98,7 +96,7 @@ Outcome check_integrator_states(const Component& component, const PluginHost& ho
   Node third;
   third.position = Vector3(0.0, 1.1, 0.0);
   net.add_node(third);
-  net.add_spring(0, 2, net.add_material({hooke(), std::nullopt}), 1.0);
+  net.add_spring(0, 2, net.add_material({oscillator::hooke(), std::nullopt}), 1.0);
   const double expected = elongation * (1.0 - std::exp(-duration / tau));
   std::array<double, 3> errors{};
   for (std::size_t level = 0; level < errors.size(); ++level) {

@@ -31,8 +31,6 @@ Allowed allowed_by(const Trial& trial) {
   return {10.0 * length * trial.smooth_error(step) + 1e-6, trial.declares(SPRINGNET_LOCATES_EVENTS)};
 }
 
-LawUse hooke() { return law_by_formula("k*e", {{"k", oscillator::stiffness}}); }
-
 std::string off(const char* what, double error, double allowed) {
   return fmt::format("{} the state is off by {:.3g} m, of which the step of {:g} s and the method explain {:.2g}", what,
                      error, step, allowed);
@@ -66,7 +64,7 @@ std::string event_at(const Trial& trial, const Event& event, double expected, do
 std::string load(const Trial& trial, const Allowed& allowed) {
   constexpr double from = 0.373, duration = 1.2, force = 1.0;
   const State start{0.2, 0.0};
-  Network net = pair(hooke(), start);
+  Network net = pair(oscillator::hooke(), start);
   Load push;
   push.nodes = {1};
   push.force = Vector3(force, 0.0, 0.0);
@@ -106,7 +104,7 @@ std::string signal(const Trial& trial, const Allowed& allowed) {
 std::string cut(const Trial& trial, const Allowed& allowed) {
   constexpr double at = 0.373, duration = 1.2;
   const State start{0.2, 0.0};
-  Network net = pair(hooke(), start);
+  Network net = pair(oscillator::hooke(), start);
   net.add_cut({at, {0}, {}});
   Simulation simulation = trial.run(net, step);
   simulation.advance_to(duration);
@@ -142,7 +140,7 @@ std::string rupture(const Trial& trial, const Allowed& allowed) {
 std::string motion(const Trial& trial, const Allowed& allowed) {
   constexpr double from = 0.373, until = 10.0, speed = 0.5, duration = 1.2;
   const State start{0.2, 0.0};
-  Network net = pair(hooke(), start);
+  Network net = pair(oscillator::hooke(), start);
   Move move;
   move.nodes = {0};
   move.motion.interpolation = Motion::Interpolation::linear;

@@ -17,8 +17,6 @@
 namespace springnet::check {
 namespace {
 
-LawUse hooke(double stiffness = oscillator::stiffness) { return law_by_formula("k*e", {{"k", stiffness}}); }
-
 // Whether a step, or steps, must not end well.
 enum class Expected { failure, either };
 
@@ -74,14 +72,18 @@ std::vector<Hardship> hardships() {
        0.01,
        [](Simulation& simulation) { simulation.advance_to(1.0); },
        Expected::failure},
-      {"a step of 1e6 s", hooke(), {0.2, 0.0}, 1e6, one},
-      {"steps of 1e-12 s", hooke(), {0.2, 0.0}, 1e-12, ten},
-      {"a stiffness of 1e12 N/m", hooke(1e12), {0.2, 0.0}, 0.01, ten},
-      {"a stiffness of -1e6 N/m", hooke(-1e6), {0.2, 0.0}, 0.01, ten},
-      {"a speed of 1e150 m/s", hooke(), {0.2, 1e150}, 0.01, ten},
-      {"a deadline of 0 s", hooke(), {0.2, 0.0}, 0.01, [](Simulation& simulation) { simulation.step_within(0.0); }},
+      {"a step of 1e6 s", oscillator::hooke(), {0.2, 0.0}, 1e6, one},
+      {"steps of 1e-12 s", oscillator::hooke(), {0.2, 0.0}, 1e-12, ten},
+      {"a stiffness of 1e12 N/m", oscillator::hooke(1e12), {0.2, 0.0}, 0.01, ten},
+      {"a stiffness of -1e6 N/m", oscillator::hooke(-1e6), {0.2, 0.0}, 0.01, ten},
+      {"a speed of 1e150 m/s", oscillator::hooke(), {0.2, 1e150}, 0.01, ten},
+      {"a deadline of 0 s",
+       oscillator::hooke(),
+       {0.2, 0.0},
+       0.01,
+       [](Simulation& simulation) { simulation.step_within(0.0); }},
       {"being asked to stop",
-       hooke(),
+       oscillator::hooke(),
        {0.2, 0.0},
        0.01,
        [](Simulation& simulation) {
@@ -131,7 +133,7 @@ Outcome check_integrator_options(const Component& component, const PluginHost& h
   const Trial trial(component, host);
   const springnet_component& description = *component.description;
   std::size_t tried = 0;
-  const Network net = pair(hooke(), {0.2, 0.0});
+  const Network net = pair(oscillator::hooke(), {0.2, 0.0});
   for (std::uint32_t i = 0; i < description.parameter_count; ++i) {
     const springnet_parameter& option = *description.parameters[i];
     for (const double value : bounds_of(option)) {

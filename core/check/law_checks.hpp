@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -53,8 +54,10 @@ class ReadyLaw {
   std::unique_ptr<Points> points_;
 };
 
-// Whether its author can declare what it promises: of a formula, the text says all.
-[[nodiscard]] bool can_declare(const Component& component);
+// Whether the law is a formula, whose author writes into a scene or a LawFormula what others declare in C++ or C.
+[[nodiscard]] bool is_formula(const Component& component);
+// "declare SPRINGNET_ADDS_POWER"; of a formula: "write declares = ["adds power"]".
+[[nodiscard]] std::string declaring(const Component& component, const char* constant, const char* word);
 
 // "at q 1.2, reference 1, parameters 3; 0.5": an element in a report.
 [[nodiscard]] std::string place(const LawCall& call, const Point& point);

@@ -12,40 +12,73 @@ namespace {
 
 constexpr double rounding = 1e-10;  // of forces that grow, relative to the largest
 
-// Empty if the force never falls along a column.
-std::string falls(const LawCall& call, const Point& from, std::size_t column, double low, double high) {
+// Where a force falls most as an argument grows.
+struct Fall {
+  double part = rounding;  // relative to the largest force along the line
+  double before = 0.0, after = 0.0, from = 0.0, to = 0.0;
+  std::size_t row = 0, column = 0;
+  Point element;
+  [[nodiscard]] bool found() const noexcept { return part > rounding; }
+};
+
+// Follows the force `row` along a column; what falls more than `worst` takes its place.
+void follow(const LawCall& call, const Point& element, std::size_t row, std::size_t column, double low, double high,
+            Fall& worst) {
   constexpr int parts = 50;
-  std::vector<Point> points(parts + 1, from);
+  std::vector<Point> points(parts + 1, element);
   for (int k = 0; k <= parts; ++k) points[static_cast<std::size_t>(k)][column] = low + (high - low) * k / parts;
   const Answer answer = call(points);
-  if (answer.status != SPRINGNET_OK) return {};
-  const std::vector<double>& force = answer.rows[0];
+  if (answer.status != SPRINGNET_OK) return;
+  const std::vector<double>& force = answer.rows[row];
   double largest = 0.0;
   for (const double f : force) largest = std::isfinite(f) ? std::max(largest, std::abs(f)) : largest;
-  for (std::size_t k = 1; k < force.size(); ++k)
-    if (force[k] < force[k - 1] - rounding * largest)
-      return fmt::format(
-          "it declares SPRINGNET_MONOTONE, but the force falls from {:.6g} to {:.6g} as {} grows from "
-          "{:.4g} to {:.4g} {}",
-          force[k - 1], force[k], call.column_name(column), points[k - 1][column], points[k][column],
-          place(call, from));
-  return {};
+  std::size_t top = 0;
+  for (std::size_t k = 1; k < force.size(); ++k) {
+    if (!(force[k] < force[top])) {
+      if (std::isfinite(force[k])) top = k;
+    } else if (const double part = (force[top] - force[k]) / largest; part > worst.part) {
+      worst = {part, force[top], force[k], points[top][column], points[k][column], row, column, element};
+    }
+  }
 }
 
-std::string check_monotone(ReadyLaw& ready) {
+// Of a law over several scalars each force along its own scalar.
+Fall find_fall(ReadyLaw& ready) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
   const Points& points = ready.points();
-  for (const Point& from : ready.points().several(20)) {
-    const double reference = from[l.reference()];
-    const bool is_speed = call.law().invariant == SPRINGNET_RELATIVE_SPEED;
-    std::string wrong = is_speed
-                            ? falls(call, from, l.value(), 0.0, 3.0)
-                            : falls(call, from, l.value(), points.lowest() * reference, points.highest() * reference);
-    if (wrong.empty() && call.reads_rate()) wrong = falls(call, from, l.rate(), -2.0 * reference, 2.0 * reference);
-    if (!wrong.empty()) return wrong;
+  const bool is_speed = !call.several() && call.law().invariant == SPRINGNET_RELATIVE_SPEED;
+  Fall worst;
+  for (const Point& element : ready.points().several(20)) {
+    for (std::size_t i = 0; i < l.invariants; ++i) {
+      if (!call.reads_value(i)) continue;
+      const double reference = std::abs(element[l.reference(i)]), value = element[l.value(i)];
+      const double span = 0.3 * points.magnitude(l.value(i), element);
+      if (is_speed)
+        follow(call, element, i, l.value(i), 0.0, 3.0, worst);
+      else if (call.several())
+        follow(call, element, i, l.value(i), value - span, value + span, worst);
+      else
+        follow(call, element, i, l.value(i), points.lowest() * reference, points.highest() * reference, worst);
+      const double speed = 2.0 * (reference > 0.0 ? reference : 1.0);
+      if (call.reads_rate()) follow(call, element, i, l.rate(i), -speed, speed, worst);
+    }
   }
-  return {};
+  return worst;
+}
+
+// Empty if no force falls.
+std::string check_monotone(ReadyLaw& ready) {
+  const Fall fall = find_fall(ready);
+  if (!fall.found()) return {};
+  const LawCall& call = ready.call();
+  return fmt::format(
+      "it declares {}, but the {} falls by {:.3g}, {:.2g} of the largest, from {:.6g} to {:.6g}, as {} grows from "
+      "{:.4g} "
+      "to {:.4g} {}",
+      is_formula(call.component()) ? "\"monotone\"" : "SPRINGNET_MONOTONE", call.row_name(fall.row),
+      fall.before - fall.after, fall.part, fall.before, fall.after, call.column_name(fall.column), fall.from, fall.to,
+      place(call, fall.element));
 }
 
 // Pushing is a force below 0 in an element that is compressed, or becomes shorter. has_free_parameters: they are not
@@ -73,8 +106,9 @@ Outcome check_compression(ReadyLaw& ready, bool has_free_parameters) {
   for (std::size_t k = 0; k < compressed.size(); ++k) {
     if (!(answer.rows[0][k] < -rounding * largest)) continue;
     if (declared) return {};
-    return {Result::failed, fmt::format("it pushes with {:.6g} {}: declare SPRINGNET_ACTS_IN_COMPRESSION",
-                                        -answer.rows[0][k], place(call, compressed[k]))};
+    return {Result::failed, fmt::format("it pushes with {:.6g} {}: {}", -answer.rows[0][k], place(call, compressed[k]),
+                                        is_formula(call.component()) ? "take \"pulls only\" out of its `declares`"
+                                                                     : "declare SPRINGNET_ACTS_IN_COMPRESSION")};
   }
   if (!declared || !has_free_parameters) return {};
   return {Result::warned, "it declares SPRINGNET_ACTS_IN_COMPRESSION, but never pushes: drop that if it pulls alone"};
@@ -96,7 +130,7 @@ Outcome check_promises(const LawSubject& subject) {
     if (!call.has(SPRINGNET_NOT_ZERO_AT_REST) && std::abs(margin - 1.0) > 1e-9)
       return {Result::failed, fmt::format("the margin is {:.6g} unloaded: it must be 1", margin)};
   }
-  if (call.has(SPRINGNET_MONOTONE) && !call.several())
+  if (call.has(SPRINGNET_MONOTONE))
     if (const std::string wrong = check_monotone(ready); !wrong.empty()) return {Result::failed, wrong};
   if (call.several() || call.law().invariant == SPRINGNET_RELATIVE_SPEED) return {};
   return check_compression(ready, subject.scene == nullptr);

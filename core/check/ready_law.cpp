@@ -1,9 +1,11 @@
-// Parameters and tables that laws are checked with.
+// Parameters and tables that laws are checked with, and words of their reports.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include <springnet/formula.hpp>
 
 #include "check/law_checks.hpp"
 
@@ -67,7 +69,12 @@ ReadyLaw::ReadyLaw(const LawSubject& subject)
   points_ = std::make_unique<Points>(*call_, parameters_, subject.scene, has_tables, subject.seed);
 }
 
-bool can_declare(const Component& component) { return std::string_view(component.plugin->id) != "formula"; }
+bool is_formula(const Component& component) { return formula_of(component) != nullptr; }
+
+std::string declaring(const Component& component, const char* constant, const char* word) {
+  if (is_formula(component)) return fmt::format("write declares = [\"{}\"]", word);
+  return fmt::format("declare {}", constant);
+}
 
 std::string place(const LawCall& call, const Point& point) {
   const sdk::JacobianLayout& l = call.layout();

@@ -18,6 +18,8 @@ State State::after(double time) const {
   return {elongation * c + speed / frequency * s, speed * c - elongation * frequency * s};
 }
 
+LawUse hooke(double k) { return law_by_formula("k*e", {{"k", k}}); }
+
 State forced(const State& state, double time, double force) {
   State moved = State{state.elongation - force / stiffness, state.speed}.after(time);
   moved.elongation += force / stiffness;
@@ -84,7 +86,7 @@ Simulation Trial::run(const Network& network, double step, unsigned threads, con
 double Trial::smooth_error(double step) const {
   constexpr double amplitude = 0.2, duration = 1.6;
   const oscillator::State start{amplitude, 0.0};
-  Simulation simulation = run(pair(law_by_formula("k*e", {{"k", oscillator::stiffness}}), start), step);
+  Simulation simulation = run(pair(oscillator::hooke(), start), step);
   simulation.advance_to(duration);
   return distance(state_of(simulation), start.after(duration)) / amplitude;
 }

@@ -22,6 +22,8 @@ struct State {
 };
 // With a force F on node 1 the elongation is that about F / stiffness.
 [[nodiscard]] State forced(const State& state, double time, double force);
+// Its spring: the force is `k` (N/m) times the elongation.
+[[nodiscard]] LawUse hooke(double k = stiffness);
 }  // namespace oscillator
 
 // A law by its formula; names that are none of the language's get these values.

@@ -9,6 +9,7 @@
 #include <springnet/error.hpp>
 #include <springnet/host_laws.hpp>
 #include <springnet/plugin_host.hpp>
+#include <springnet/plugin_search.hpp>
 #include <springnet/printable.hpp>
 #include <springnet/suggestion.hpp>
 
@@ -36,6 +37,34 @@ std::string_view name_of(ComponentKind kind) noexcept {
   }
   return "component";
 }
+
+namespace {
+
+// Entries of SPRINGNET_PLUGIN_PATH.
+std::vector<fs::path> listed_folders() {
+  std::vector<fs::path> folders;
+  const char* listed = std::getenv("SPRINGNET_PLUGIN_PATH");
+  std::string_view rest = listed == nullptr ? "" : listed;
+  while (!rest.empty()) {
+    const std::string_view entry = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(rest.size(), entry.size() + 1));
+    if (!entry.empty()) folders.emplace_back(entry);
+  }
+  return folders;
+}
+
+// In the order of their names.
+std::vector<fs::path> plugins_in(const fs::path& folder, std::error_code& failed) {
+  std::vector<fs::path> files;
+  const std::string ending = ".springnet" + library_suffix();
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (entry->path().filename().string().ends_with(ending)) files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
 
 struct PluginHost::Impl {
   std::vector<std::shared_ptr<const Component>> components;
@@ -116,13 +145,8 @@ PluginHost PluginHost::with_default_search(const std::vector<fs::path>& folders)
   PluginHost host;
   for (const fs::path& folder : folders) host.search(folder);
 
-  const char* listed = std::getenv("SPRINGNET_PLUGIN_PATH");
-  std::string_view rest = listed == nullptr ? "" : listed;
-  while (!rest.empty()) {
-    const std::string_view entry = rest.substr(0, rest.find(':'));
-    rest.remove_prefix(std::min(rest.size(), entry.size() + 1));
-    if (entry.empty()) continue;
-    if (fs::path(entry).is_relative()) {
+  for (const fs::path& entry : listed_folders()) {
+    if (entry.is_relative()) {
       host.impl_->ignore_folder(entry,
                                 "SPRINGNET_PLUGIN_PATH names a relative folder, which depends on the working "
                                 "directory, so it was not searched: give an absolute path");
@@ -143,15 +167,27 @@ PluginHost PluginHost::with_default_search(const std::vector<fs::path>& folders)
   return host;
 }
 
+std::vector<fs::path> plugin_files(const std::vector<fs::path>& folders) {
+  std::vector<fs::path> searched = folders, files;
+  for (const fs::path& folder : listed_folders())
+    if (folder.is_absolute()) searched.push_back(folder);
+  for (const fs::path& folder : own_plugin_folders()) searched.push_back(folder);
+  std::set<fs::path> seen;
+  for (const fs::path& folder : searched) {
+    std::error_code failed, unknown;
+    for (const fs::path& file : plugins_in(folder, failed)) {
+      const fs::path real = fs::weakly_canonical(file, unknown);
+      if (seen.insert(unknown ? file : real).second) files.push_back(file);
+    }
+  }
+  return files;
+}
+
 void PluginHost::search(const fs::path& folder) { impl_->search(folder, {}); }
 
 void PluginHost::Impl::search(const fs::path& folder, std::string_view origin) {
   std::error_code failed, unknown;
-  std::vector<fs::path> files;
-  const std::string ending = ".springnet" + library_suffix();
-  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-    if (entry->path().filename().string().ends_with(ending)) files.push_back(entry->path());
-  }
+  const std::vector<fs::path> files = plugins_in(folder, failed);
   if (failed) {
     const std::string named = origin.empty() ? "" : fmt::format(", which {} names,", origin);
     if (fs::is_regular_file(folder, unknown))
@@ -163,7 +199,6 @@ void PluginHost::Impl::search(const fs::path& folder, std::string_view origin) {
   }
   const auto is_it = [&](const Searched& each) { return fs::equivalent(each.folder, folder, unknown); };
   if (std::none_of(searched.begin(), searched.end(), is_it)) searched.push_back({folder, files.size()});
-  std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {
     const fs::path real = fs::weakly_canonical(file, failed);
     if (seen.count(failed ? file : real) == 0) load(file);

@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <springnet/printable.hpp>
 #include <springnet/scene.hpp>
 
 #include "check/check.hpp"
 #include "commands.hpp"
 #include "common.hpp"
+#include "kind_word.hpp"
 #include "text_table.hpp"
 
 namespace springnet::tool {
@@ -29,6 +29,8 @@ constexpr const char* check_examples =
   springnet plugin check muscle --only derivatives --seed 7
 
 Every check runs in a process of its own: a law that crashes, hangs or ends the process is a line of the report.
+--only runs what the check needs as well, and tells of that what fails. --seed is for the elements of laws and neurons;
+integrators are always tried on the same nets.
 Checks of laws, in this order: load call arrays finite rest energy derivatives dissipation batches states promises order
 leaks speed. Of neurons: load call arrays finite derivatives batches leaks. Of integrators: load call order momentum
 states events contact rigid refusals options repeats memory leaks.
@@ -44,40 +46,22 @@ struct CheckArguments {
   bool json = false;
 };
 
-ComponentKind kind_of(const std::string& word) {
-  if (word == "viscosity") return ComponentKind::viscosity_function;
-  if (word == "neuron") return ComponentKind::neuron;
-  return word == "integrator" ? ComponentKind::integrator : ComponentKind::spring_function;
-}
-
-bool is_wanted(const CheckArguments& arguments, const Component& component) {
-  if (!arguments.kind.empty() && component.kind() != kind_of(arguments.kind)) return false;
-  return component.id() == arguments.target ||
-         fmt::format("{}@{}", component.id(), component.plugin->id) == arguments.target;
-}
-
-std::vector<std::shared_ptr<const Component>> components_named(const CheckArguments& arguments,
-                                                               const PluginHost& host) {
-  std::vector<std::shared_ptr<const Component>> found;
-  for (const auto& component : host.components())
-    if (is_wanted(arguments, *component)) found.push_back(component);
-  if (found.empty())
-    throw Error(
-        ErrorKind::plugin,
-        fmt::format("there is no component '{}'{}{}, and no file of this name; 'springnet plugin list' lists all "
-                    "components",
-                    printable(arguments.target), arguments.kind.empty() ? "" : " of the kind ", arguments.kind));
-  return found;
-}
-
-check::Report judge(const CheckArguments& arguments, const check::Options& options) {
+check::Target target_of(const CheckArguments& arguments) {
+  using What = check::Target::What;
   const std::filesystem::path path(arguments.target);
   std::error_code unreadable;
-  if (path.extension() == ".toml") return check::check_laws_of(load_scene(path, *options.host).network, options);
+  check::Target target{What::component, arguments.target, {}};
+  if (!arguments.kind.empty()) target.kind = kind_of(arguments.kind);
   const bool is_file = std::filesystem::is_regular_file(path, unreadable) || path.has_parent_path() ||
                        path.stem().extension() == ".springnet";
-  if (is_file) return check::check_file(path, options);
-  return check::check_components(components_named(arguments, *options.host), options);
+  if (is_file) target.what = What::file;
+  if (path.extension() == ".toml") {
+    target.what = What::scene;
+    target.read = [](const std::filesystem::path& scene, const PluginHost& host) {
+      return load_scene(scene, host).network;
+    };
+  }
+  return target;
 }
 
 Json json_of(const check::Report& report) {
@@ -115,8 +99,8 @@ int run_check(const CheckArguments& arguments) {
   options.seed = arguments.seed != 0 ? arguments.seed : std::random_device{}() % 1'000'000 + 1;
   options.only = arguments.only;
   options.limits.seconds = arguments.seconds;
-  options.host = arguments.plugins.load();
-  const check::Report report = judge(arguments, options);
+  options.folders = arguments.plugins.folders;
+  const check::Report report = check::check_target(target_of(arguments), options);
   if (arguments.json) {
     fmt::print("{}\n", json_of(report).dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
@@ -144,8 +128,9 @@ void add_plugin_check(CLI::App& parent, Action& action) {
   for (const std::string_view name : check::check_names()) names.emplace_back(name);
   command->add_option("--only", arguments->only, "Only this check")->type_name("CHECK")->check(CLI::IsMember(names));
   command
-      ->add_option("--seed", arguments->seed,
-                   "Draw the same random elements as a report with this seed [a new one each time]")
+      ->add_option(
+          "--seed", arguments->seed,
+          "Draw the same random elements as a report with this seed [a new one each time]; not for integrators")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   command->add_option("--time-limit", arguments->seconds, "Longest time for a check, in seconds [20]")

@@ -18,19 +18,21 @@
 #include <springnet/printable.hpp>
 #include <springnet/whole_records.hpp>
 
+#include "check/signal_name.hpp"
+
 namespace springnet::tool {
 
 namespace {
 
 struct CrashSignal {
   int number;
-  std::string_view name;
+  std::string_view meaning;
 };
-constexpr CrashSignal crash_signals[] = {{SIGSEGV, "SIGSEGV, access to memory that is not its own"},
-                                         {SIGBUS, "SIGBUS, access to memory that is not there"},
-                                         {SIGFPE, "SIGFPE, a division of integers by 0 or the like"},
-                                         {SIGILL, "SIGILL, an invalid instruction"},
-                                         {SIGABRT, "SIGABRT, it called abort()"}};
+constexpr CrashSignal crash_signals[] = {{SIGSEGV, "access to memory that is not its own"},
+                                         {SIGBUS, "access to memory that is not there"},
+                                         {SIGFPE, "a division of integers by 0 or the like"},
+                                         {SIGILL, "an invalid instruction"},
+                                         {SIGABRT, "it called abort()"}};
 
 // Fixed memory: a handler must not allocate.
 constexpr std::size_t longest_folder = 1024;
@@ -116,10 +118,14 @@ void add_component(CrashLine& line, const Component& component) noexcept {
   line.add(")");
 }
 
-std::string_view name_of_signal(int signal) noexcept {
-  for (const CrashSignal& each : crash_signals)
-    if (each.number == signal) return each.name;
-  return "signal";
+// "SIGABRT, it called abort()"
+void add_signal(CrashLine& line, int signal) noexcept {
+  line.add(check::signal_name(signal));
+  for (const CrashSignal& each : crash_signals) {
+    if (each.number != signal) continue;
+    line.add(", ");
+    line.add(each.meaning);
+  }
 }
 
 void end_by(int signal) noexcept {
@@ -148,12 +154,12 @@ void report_crash(int signal) {
   line.add("springnet: error: ");
   if (call.component == nullptr) {
     line.add("springnet crashed (");
-    line.add(name_of_signal(signal));
+    add_signal(line, signal);
     line.add("), outside of all calls of plugins");
   } else {
     add_component(line, *call.component);
     line.add(" crashed (");
-    line.add(name_of_signal(signal));
+    add_signal(line, signal);
     line.add(")");
     add_members(line, call.members);
     write_whole_records();

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "component_text.hpp"
+#include "kind_word.hpp"
 #include "law_plot.hpp"
 #include "sample_scene.hpp"
 #include "text_table.hpp"
@@ -41,15 +42,6 @@ constexpr const char* plugin_show_examples = R"(Examples:
 
 Exit status:
   0 done   1 the plot cannot be written   2 usage or scene   3 there is no such component)";
-
-struct KindWord {
-  const char* word;
-  ComponentKind kind;
-};
-constexpr std::array<KindWord, 4> kind_words{{{"spring", ComponentKind::spring_function},
-                                              {"viscosity", ComponentKind::viscosity_function},
-                                              {"neuron", ComponentKind::neuron},
-                                              {"integrator", ComponentKind::integrator}}};
 
 struct Capability {
   std::uint64_t bit;
@@ -357,7 +349,7 @@ void print_plotted(const std::vector<std::string>& notes, const std::filesystem:
 }
 
 int show(const ShowArguments& arguments) {
-  const auto& [plugins, id, kind_word, json, sample, plot] = arguments;
+  const auto& [plugins, id, only_kind, json, sample, plot] = arguments;
   const auto host = plugins.load();
   if (id.ends_with(".toml") && !plot.file.empty()) {
     print_plotted(plot_scene(id, *host, plot), plot.file);
@@ -368,12 +360,12 @@ int show(const ShowArguments& arguments) {
   if (id.ends_with(".toml")) return show_formulas(id, *host, json);
   std::vector<std::shared_ptr<const Component>> found;
   for (const KindWord& kind : kind_words) {
-    if (!kind_word.empty() && kind_word != kind.word) continue;
+    if (!only_kind.empty() && only_kind != kind.word) continue;
     for (const auto& component : host->components()) {
       const bool named = component->id() == id || fmt::format("{}@{}", component->id(), component->plugin->id) == id;
       if (component->kind() == kind.kind && named) found.push_back(component);
     }
-    if (!kind_word.empty() && found.empty()) static_cast<void>(host->require(kind.kind, id));  // throws
+    if (!only_kind.empty() && found.empty()) static_cast<void>(host->require(kind.kind, id));  // throws
   }
   if (found.empty()) {
     std::vector<std::string> known;

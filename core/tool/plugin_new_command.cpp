@@ -18,6 +18,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "kind_word.hpp"
 #include "new_files.hpp"
 #include "plugin_project.hpp"
 
@@ -89,13 +90,6 @@ void read_set(const std::string& text, LawFormula& law, ParameterValues& values)
   if (!values.emplace(name, value).second) refuse("given twice");
   parameter->unit = std::string(std::find_if(rest, end, [](char c) { return c != ' '; }), end);
   if (value != 0.0) parameter->scale = std::abs(value);
-}
-
-ComponentKind project_kind(const std::string& word) {
-  if (word == "viscosity") return ComponentKind::viscosity_function;
-  if (word == "neuron") return ComponentKind::neuron;
-  if (word == "integrator") return ComponentKind::integrator;
-  return ComponentKind::spring_function;
 }
 
 void check_name(const PluginProject& project) {
@@ -238,7 +232,7 @@ void take_from_scene(const PluginNewArguments& arguments, PluginProject& project
   const bool of_springs =
       project.formula->scalars.empty() && law.law.component->law().invariant <= SPRINGNET_RELATIVE_SPEED;
   if (of_springs && law.reference > 0.0) project.rest = law.reference;
-  if (!arguments.kind.empty() && project_kind(arguments.kind) != project.formula->kind)
+  if (!arguments.kind.empty() && kind_of(arguments.kind) != project.formula->kind)
     refuse_new(fmt::format("--kind {}: the formula at '{}' is a {}; leave --kind out", arguments.kind, wanted,
                            name_of(project.formula->kind)));
   project.kind = project.formula->kind;
@@ -292,7 +286,7 @@ int write_project(const PluginNewArguments& arguments) {
   PluginProject project = arguments.project;
   const bool from_scene = !arguments.scene.empty();
   if (arguments.kind.empty() && !from_scene) refuse_new("--kind is required: spring, viscosity, neuron or integrator");
-  project.kind = project_kind(arguments.kind);
+  project.kind = kind_of(arguments.kind);
   if (!is_law(project) && arguments.has_formula())
     refuse_new(fmt::format("--formula is for springs and viscosities; leave it out, and write the {} in C++",
                            name_of(project.kind)));

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "kind_word.hpp"
+
 namespace springnet::tool {
 
 namespace {
@@ -232,20 +234,6 @@ LawFormula law_of(const PluginProject& project) {
   law.parameters = {is_spring ? FormulaSymbol{"stiffness", "N/m", FormulaSymbol::none, "tension per elongation", 0.0}
                               : FormulaSymbol{"damping", "N s/m", FormulaSymbol::none, "tension per rate", 0.0}};
   return law;
-}
-
-std::string_view kind_word(ComponentKind kind) {
-  switch (kind) {
-    case ComponentKind::spring_function:
-      return "spring";
-    case ComponentKind::viscosity_function:
-      return "viscosity";
-    case ComponentKind::neuron:
-      return "neuron";
-    case ComponentKind::integrator:
-      return "integrator";
-  }
-  return "";
 }
 
 std::vector<ProjectFile> files_of(const PluginProject& project) {

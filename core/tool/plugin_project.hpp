@@ -29,7 +29,6 @@ struct ProjectFile {
 [[nodiscard]] bool is_law(const PluginProject& project);
 // Of a law: that of the project, or the one to begin with.
 [[nodiscard]] LawFormula law_of(const PluginProject& project);
-[[nodiscard]] std::string_view kind_word(ComponentKind kind);  // "spring"
 
 // Throws Error(input) for a formula that cannot be translated.
 [[nodiscard]] std::vector<ProjectFile> files_of(const PluginProject& project);

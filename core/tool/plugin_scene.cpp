@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <springnet/formula_source.hpp>
 
+#include "kind_word.hpp"
 #include "plugin_project.hpp"
 
 namespace springnet::tool {

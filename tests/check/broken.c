@@ -2,6 +2,7 @@
  *   T = k (l - l0) + d l',   E = k (l - l0)^2 / 2,   margin 1 - |T| / strength;
  * with WITH_STATE in place of that a spring and a dashpot in series, T = k (l - l0 - z), z' = (l - l0 - z) / tau. */
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,8 +95,21 @@ static void write_list(double* const* list, int j, uint32_t i, double value) {
   if (list && list[j]) list[j][i] = value;
 }
 
+#if defined(MISTAKE_THREAD) || defined(MISTAKE_SPINS)
+static void* spin(void* unused) {
+  for (volatile int forever = 1; forever;) {
+  }
+  return unused;
+}
+#endif
+
 static springnet_status evaluate(void* context, const springnet_law_batch* b) {
   (void)context;
+#ifdef MISTAKE_SPINS
+  pthread_t thread;
+  for (int k = 0; k < 5; ++k) pthread_create(&thread, NULL, spin, NULL);
+  spin(NULL);
+#endif
 #ifdef MISTAKE_EXITS
   exit(0);
 #endif
@@ -199,6 +213,32 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
 __attribute__((constructor)) static void at_load(void) { exit(7); }
 #endif
 
+#ifdef MISTAKE_ABORTS
+__attribute__((constructor)) static void at_load(void) { abort(); }
+#endif
+#ifdef MISTAKE_DESTRUCTOR
+__attribute__((destructor)) static void at_end(void) { abort(); }
+#endif
+#ifdef MISTAKE_THREAD
+__attribute__((constructor)) static void at_load(void) {
+  pthread_t thread;
+  pthread_create(&thread, NULL, spin, NULL);
+}
+#endif
+
+#ifdef MISTAKE_PREPARES
+static springnet_status prepare(void* context, springnet_preparation* preparation) {
+  (void)context, (void)preparation;
+  abort();
+}
+static springnet_status release(void* context, springnet_preparation* preparation) {
+  (void)context, (void)preparation;
+  return SPRINGNET_OK;
+}
+static springnet_table table;
+static const springnet_table* const table_list[] = {&table};
+#endif
+
 /* Filled in when the file is opened: C has no constants of structs that are made by functions. */
 static springnet_parameter parameters[parameter_count], state;
 static const springnet_parameter* const parameter_list[] = {&parameters[0], &parameters[1], &parameters[2]};
@@ -244,6 +284,20 @@ __attribute__((constructor)) static void fill_in(void) {
   component.capabilities = (uint64_t)(CAPABILITIES) | SPRINGNET_HAS_ENERGY;
 #ifdef MISTAKE_POLE
   component.capabilities |= SPRINGNET_DIVIDES_BY_REFERENCE;
+#endif
+#ifdef MISTAKE_PREPARES
+  table.struct_size = sizeof table;
+  table.name = "points";
+  table.unit = "m";
+  table.summary = "numbers";
+  table.least = 2;
+  table.smallest = -INFINITY;
+  table.largest = INFINITY;
+  law.table_count = 1;
+  law.tables = table_list;
+  law.prepare = prepare;
+  law.release = release;
+  component.needs = SPRINGNET_NEEDS_TABLES;
 #endif
 #ifdef WITH_STATE
   law.state_count = 1;

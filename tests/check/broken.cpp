@@ -1,11 +1,14 @@
 // Every mistake is found by its own check first, and what depends on that is skipped.
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "check/check.hpp"
+#include "check/child.hpp"
 #include "check/heap.hpp"
 
 using namespace springnet;
@@ -120,6 +123,79 @@ TEST_CASE("a file that ends the process while it is loaded is not loaded here") 
   CHECK(report.findings[0].outcome.result == Result::crashed);
   CHECK(report.findings[0].outcome.why.find("status 7") != std::string::npos);
   CHECK_FALSE(report_on("no_such_file").loaded);
+}
+
+TEST_CASE("a plugin that crashes or starts a thread while it is loaded is told, and not loaded here") {
+  for (const auto& [name, result, part] :
+       {std::tuple("aborts", Result::crashed, "SIGABRT"), std::tuple("thread", Result::failed, "starts 1 thread")}) {
+    const check::Report report = report_on(name);
+    CHECK_FALSE(report.loaded);
+    REQUIRE(report.findings.size() == 1);
+    CAPTURE(report.findings[0].outcome.why);
+    CHECK(report.findings[0].outcome.result == result);
+    CHECK(report.findings[0].outcome.why.find(part) != std::string::npos);
+  }
+}
+
+TEST_CASE("a destructor of the library that crashes is told after the checks") {
+  check::Options with = options();
+  with.only = "call";
+  const check::Report report = report_on("destructor", with);
+  REQUIRE(report.findings.size() == 2);
+  CHECK(report.findings[0].outcome.result == Result::passed);
+  CHECK(report.findings[1].kind == "plugin");
+  CHECK(report.findings[1].outcome.result == Result::crashed);
+  CHECK(report.findings[1].outcome.why.find("destructor") != std::string::npos);
+}
+
+TEST_CASE("several threads that never end are a timeout, too") {
+  check::Options with = options();
+  with.limits.seconds = 1.0;
+  with.only = "call";
+  const check::Report report = report_on("spins", with);
+  REQUIRE(report.findings.size() == 1);
+  CHECK(report.findings[0].outcome.result == Result::timed_out);
+  // However many processors there are: SIGXCPU comes before SIGKILL, and each thread of a check counts.
+  const auto bounds = []() -> check::Outcome {
+    rlimit bound{};
+    getrlimit(RLIMIT_CPU, &bound);
+    return {bound.rlim_cur > 80 && bound.rlim_max > bound.rlim_cur ? Result::passed : Result::failed, ""};
+  };
+  CHECK(check::run_in_child(bounds, {.seconds = 20.0, .threads = 4}, "the test").result == Result::passed);
+}
+
+TEST_CASE("what needs a check that fails is skipped, and all else is not") {
+  struct Skips {
+    const char* name;
+    std::vector<std::string> skipped;
+  };
+  for (const Skips& each :
+       {Skips{"crashes",
+              {"arrays", "finite", "rest", "energy", "derivatives", "dissipation", "batches", "states", "promises",
+               "order", "leaks", "speed"}},
+        Skips{"nan", {"rest", "energy", "derivatives", "dissipation", "states", "promises", "order"}},
+        Skips{"wrong_energy", {"dissipation", "order"}}, Skips{"wrong_derivative", {"order"}},
+        Skips{"batch_size", {"states", "order"}}, Skips{"half_steps", {"order"}}, Skips{"loaded_at_rest", {}}}) {
+    CAPTURE(std::string(each.name));
+    std::vector<std::string> skipped;
+    for (const check::Finding& finding : report_on(each.name).findings)
+      if (finding.outcome.result == Result::skipped) skipped.push_back(finding.check);
+    CHECK(skipped == each.skipped);
+  }
+}
+
+TEST_CASE("one check alone: what it needs runs, too, and is told if it fails") {
+  check::Options with = options();
+  with.only = "order";
+  const check::Report right = report_on("right", with);
+  REQUIRE(right.findings.size() == 1);
+  CHECK(right.findings[0].outcome.result == Result::passed);
+  const check::Report wrong = report_on("nan", with);
+  REQUIRE(wrong.findings.size() == 2);
+  CHECK(wrong.findings[0].check == "finite");
+  CHECK(wrong.findings[0].outcome.result == Result::failed);
+  CHECK(wrong.findings[1].check == "order");
+  CHECK(wrong.findings[1].outcome.result == Result::skipped);
 }
 
 TEST_CASE("a law that shares memory between threads fails, unless it says so") {

@@ -52,6 +52,50 @@ TEST_CASE("the table and the JSON have every check, with its reason and the seed
   }
 }
 
+TEST_CASE("a plugin of the search path that ends the process is a line of the report, and left out") {
+  const TemporaryFolder folder;
+  const auto check = [&](const char* name, const std::string& target, const std::string& path) {
+    return testing::shell(folder, "rm -rf p && mkdir p && cp " + broken(name) + " p && " + path +
+                                      " \"$SPRINGNET\" plugin check --json --only call " + target);
+  };
+  for (const char* name : {"constructor", "aborts", "thread"}) {
+    CAPTURE(std::string(name));
+    const Answer other = check(name, "linear --kind spring --plugins p", "");
+    CHECK(other.status == 3);
+    const auto checks = other.json()["checks"];
+    REQUIRE(checks.size() == 2);
+    CHECK(checks[0]["component"] == std::string(name) + ".springnet" LIBRARY_SUFFIX);
+    CHECK(checks[1]["component"] == "linear");
+    CHECK(checks[1]["result"] == "pass");
+    const Answer itself = check(name, "broken --plugins p", "");
+    CHECK(itself.status == 3);
+    CHECK(itself.json()["checks"].size() == 2);  // that it cannot be loaded, and that there is no such component
+    const Answer file = check(name, broken(name), "SPRINGNET_PLUGIN_PATH=$PWD/p");
+    CHECK(file.status == 3);
+    CHECK(file.json()["checks"].size() == 2);  // a copy of it, and itself
+  }
+  const Answer last = check("destructor", "linear --kind spring --plugins p", "");
+  CHECK(last.status == 1);
+  REQUIRE(last.json()["checks"].size() == 2);
+  CHECK(last.json()["checks"][1]["component"] == "destructor.springnet" LIBRARY_SUFFIX);
+}
+
+TEST_CASE("a law that ends the process while its scene is loaded is a line of the report") {
+  const TemporaryFolder folder;
+  std::string scene = testing::pair_scene;
+  const std::string law = "{ type = \"linear\", stiffness = 4.0 }";
+  scene.replace(scene.find(law), law.size(), "{ type = \"broken\", points = [0.0, 1.0] }");
+  folder.write("pair.toml", scene);
+  const Answer answer = testing::shell(
+      folder, "mkdir p && cp " + broken("prepares") + " p && \"$SPRINGNET\" plugin check pair.toml --plugins p --json");
+  CHECK(answer.status == 1);
+  REQUIRE(answer.json()["checks"].size() == 1);
+  const auto found = answer.json()["checks"][0];
+  CHECK(found["component"] == "broken");
+  CHECK(found["result"] == "crash");
+  CHECK(found["why"].get<std::string>().find("SIGABRT") != std::string::npos);
+}
+
 TEST_CASE("a scene's laws are checked with the scene's parameters, formulas among them") {
   const TemporaryFolder folder;
   std::string scene = testing::pair_scene;
