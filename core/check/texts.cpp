@@ -1,7 +1,6 @@
 #include "check/texts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <string>
@@ -12,12 +11,10 @@
 
 #include <springnet/printable.hpp>
 
+#include "text/units.hpp"
+
 namespace springnet::check {
 namespace {
-
-constexpr std::array<std::string_view, 26> known_units{"m",  "kg", "s", "A",  "K",  "mol", "cd", "rad", "sr",
-                                                       "N",  "Pa", "J", "W",  "Hz", "C",   "V",  "F",   "ohm",
-                                                       "Wb", "T",  "H", "lm", "lx", "Bq",  "Gy", "Sv"};
 
 // Empty, or the first name in a unit that is none of SI's without a prefix. What follows '^' is an exponent, and may be
 // the name of a parameter.
@@ -31,8 +28,7 @@ std::string unknown_unit(std::string_view unit) {
     while (end < unit.size() && (std::isalnum(static_cast<unsigned char>(unit[end])) != 0 || unit[end] == '_')) ++end;
     const std::string_view word = unit.substr(k, end - k);
     const bool is_exponent = k > 0 && unit[k - 1] == '^';
-    if (!is_exponent && std::find(known_units.begin(), known_units.end(), word) == known_units.end())
-      return std::string(word);
+    if (!is_exponent && find_unit(word) == nullptr) return std::string(word);
     k = end;
   }
   return {};

@@ -125,7 +125,14 @@ void CheckedFile::drop_unfinished() {
 }
 
 void CheckedFile::save_whole_records() const noexcept {
-  if (descriptor_ < 0 || !failure_.empty() || marks_.empty()) return;
+  if (descriptor_ < 0 || !failure_.empty() || !marked_) return;
+  if (marks_.empty()) {
+    // Part of a record that exceeds the buffer may be in the file. ftruncate is safe in a signal handler.
+    if (kept_.offset < written_) {
+      [[maybe_unused]] const int failed = ::ftruncate(descriptor_, static_cast<off_t>(kept_.offset));
+    }
+    return;
+  }
   const char* data = buffer_.get();
   for (std::uint64_t left = marks_.back().offset - written_; left > 0;) {
     const ssize_t count = ::write(descriptor_, data, left);

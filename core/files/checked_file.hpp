@@ -58,7 +58,8 @@ class CheckedFile {
   void seek(std::uint64_t offset);
   void restore_end(std::uint64_t offset, std::string_view end) noexcept;
 
-  // Writes the complete records in the buffer; see write_whole_records().
+  // Writes the complete records in the buffer, or cuts off what is in the file of an unfinished one; see
+  // write_whole_records().
   void save_whole_records() const noexcept;
 
  private:

@@ -54,7 +54,7 @@ springnet_invariant scalar_of(const FormulaScalar& scalar) {
   return {};
 }
 
-std::uint32_t shape_of(Invariant shape) {
+std::uint32_t number_of(Invariant shape) {
   switch (shape) {
     case Invariant::chain:
       return SPRINGNET_CHAIN;
@@ -75,7 +75,7 @@ std::uint32_t shape_of(Invariant shape) {
 // The component and all that it points to. Does not move.
 struct FormulaComponent {
   explicit FormulaComponent(const LawFormula& given) : source(given), law(given) {
-    formula::check_units(given);
+    formula::check_units_of_some_use(given);
     describe(source.parameters, true, parameters, parameter_list);
     describe(source.inputs, false, inputs, input_list);
     for (std::size_t k = 0; k < given.scalars.size(); ++k) {
@@ -120,7 +120,7 @@ struct FormulaComponent {
     }
     implementation.evaluate = evaluate;
     if (several) {
-      implementation.shape = shape_of(given.shape);
+      implementation.shape = number_of(given.shape);
       implementation.invariant_count = static_cast<std::uint32_t>(invariants.size());
       implementation.invariants = invariant_list.data();
       implementation.reads_direction = reads.direction ? 1 : 0;
@@ -220,6 +220,25 @@ struct FormulaComponent {
 }  // namespace
 
 std::vector<std::string> parameters_of(const LawFormula& formula) { return formula::free_names(formula); }
+
+Invariant shape_of(const std::vector<FormulaScalar>& scalars) {
+  bool has_fourth = false, has_angle = false, of_chain = true;
+  for (const FormulaScalar& each : scalars) {
+    const springnet_invariant scalar = scalar_of(each);
+    if (scalar.kind == SPRINGNET_DIHEDRAL) return Invariant::hinge;
+    const std::uint32_t(&corners)[4] = scalar.corners;
+    has_fourth = has_fourth || std::find(std::begin(corners), std::end(corners), 3u) != std::end(corners);
+    if (scalar.kind == SPRINGNET_ANGLE) {
+      has_angle = true;
+      of_chain = of_chain && corners[1] == 1;
+    } else {
+      // Not the side that a chain does not have.
+      of_chain = of_chain && scalar.kind == SPRINGNET_LENGTH && (corners[0] == 1 || corners[1] == 1);
+    }
+  }
+  if (has_fourth) return Invariant::tetrahedron;
+  return has_angle && of_chain ? Invariant::chain : Invariant::triangle;
+}
 
 std::shared_ptr<const Component> component_of(const LawFormula& formula) {
   const auto owner = std::make_shared<const FormulaComponent>(formula);

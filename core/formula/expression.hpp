@@ -39,11 +39,18 @@ struct Term {
   std::vector<std::uint32_t> arguments;  // terms
 };
 
+// "name = value;" before the formula.
+struct Definition {
+  std::string name;
+  std::size_t place = 0;
+};
+
 // What is written, with names that stand for a part of it replaced by that part. Terms come after their arguments.
 struct Expression {
   std::string text;
   std::vector<Term> terms;
   std::uint32_t root = 0;
+  std::vector<Definition> definitions;
 
   [[nodiscard]] const Term& operator[](std::uint32_t term) const { return terms[term]; }
 };

@@ -1,5 +1,6 @@
 // Forward differentiation of formulas, as the SDK's dual numbers do it (sdk/dual.hpp), in steps of a graph. The order
-// of operations is theirs, so that results have the same bits.
+// of operations is theirs, so that results have the same bits: values are computed as written, and derivatives that are
+// 0 for certain take no arithmetic.
 #pragma once
 
 #include <cstddef>
@@ -72,22 +73,21 @@ class Forward {
   }
   [[nodiscard]] Number sum(const Number& a, const Number& b) const {
     return each(base_.sum(a.value, b.value),
-                [&](std::size_t i) { return base_.sum(a.derivatives[i], b.derivatives[i]); });
+                [&](std::size_t i) { return sum_of_derivatives(a.derivatives[i], b.derivatives[i]); });
   }
   [[nodiscard]] Number difference(const Number& a, const Number& b) const {
     return each(base_.difference(a.value, b.value),
-                [&](std::size_t i) { return base_.difference(a.derivatives[i], b.derivatives[i]); });
+                [&](std::size_t i) { return difference_of_derivatives(a.derivatives[i], b.derivatives[i]); });
   }
   [[nodiscard]] Number product(const Number& a, const Number& b) const {
     return each(base_.product(a.value, b.value), [&](std::size_t i) {
-      return base_.sum(scaled(a.derivatives[i], b.value), scaled(b.derivatives[i], a.value));
+      return sum_of_derivatives(scaled(a.derivatives[i], b.value), scaled(b.derivatives[i], a.value));
     });
   }
   [[nodiscard]] Number quotient(const Number& a, const Number& b) const {
     const Inner ratio = base_.quotient(a.value, b.value);
     return each(ratio, [&](std::size_t i) {
-      const Inner change = base_.difference(a.derivatives[i], scaled(b.derivatives[i], ratio));
-      return base_.is_known_zero(change) ? change : base_.quotient(change, b.value);
+      return divided(difference_of_derivatives(a.derivatives[i], scaled(b.derivatives[i], ratio)), b.value);
     });
   }
   [[nodiscard]] Number choose(Node condition, const Number& a, const Number& b) const {
@@ -110,6 +110,18 @@ class Forward {
     result.derivatives.reserve(count_);
     for (std::size_t i = 0; i < count_; ++i) result.derivatives.push_back(derivative(i));
     return result;
+  }
+  // As detail::sum(), difference(), scaled() and quotient() of sdk/dual.hpp.
+  [[nodiscard]] Inner sum_of_derivatives(const Inner& a, const Inner& b) const {
+    if (base_.is_known_zero(a)) return b;
+    return base_.is_known_zero(b) ? a : base_.sum(a, b);
+  }
+  [[nodiscard]] Inner difference_of_derivatives(const Inner& a, const Inner& b) const {
+    if (base_.is_known_zero(b)) return a;
+    return base_.is_known_zero(a) ? base_.negative(b) : base_.difference(a, b);
+  }
+  [[nodiscard]] Inner divided(const Inner& derivative, const Inner& divisor) const {
+    return base_.is_known_zero(derivative) ? derivative : base_.quotient(derivative, divisor);
   }
   [[nodiscard]] Inner scaled(const Inner& derivative, const Inner& factor) const {
     return base_.is_known_zero(derivative) ? derivative : base_.product(factor, derivative);
@@ -205,21 +217,23 @@ typename Forward<Base>::Number Forward<Base>::apply(Code code, const Number& x, 
       const Inner change = base_.product(base_.product(own, base_.apply(Code::log, x.value)), d);
       const Node counts =
           graph().apply(Code::both, graph().apply(Code::negation, base_.is_nothing(d)), is_not_zero(own));
-      result.derivatives[i] = base_.choose(counts, base_.sum(result.derivatives[i], change), result.derivatives[i]);
+      result.derivatives[i] =
+          base_.choose(counts, sum_of_derivatives(result.derivatives[i], change), result.derivatives[i]);
     }
     return result;
   }
   if (code == Code::hypot) {
     return each(own, [&](std::size_t i) {
       const auto part = [&](const Number& of) { return scaled(of.derivatives[i], base_.quotient(of.value, own)); };
-      return base_.choose(is_not_zero(own), base_.sum(part(x), part(y)), number(0.0));
+      return base_.choose(is_not_zero(own), sum_of_derivatives(part(x), part(y)), number(0.0));
     });
   }
   // atan2(x, y): the angle of (y, x).
   const Inner square = base_.sum(base_.product(y.value, y.value), base_.product(x.value, x.value));
   return each(own, [&](std::size_t i) {
-    const Inner change = base_.difference(scaled(x.derivatives[i], y.value), scaled(y.derivatives[i], x.value));
-    return base_.choose(is_not_zero(square), base_.quotient(change, square), number(0.0));
+    const Inner change =
+        difference_of_derivatives(scaled(x.derivatives[i], y.value), scaled(y.derivatives[i], x.value));
+    return base_.choose(is_not_zero(square), divided(change, square), number(0.0));
   });
 }
 

@@ -38,27 +38,21 @@ Node Graph::negative(Node a) {
   return apply(Code::negative, a);
 }
 Node Graph::sum(Node a, Node b) {
-  if (is_zero(a)) return b;
-  if (is_zero(b)) return a;
   if (is_constant(a) && is_constant(b)) return constant(steps_[a].number + steps_[b].number);
   if (a == b) return product(a, constant(2.0));  // the same bits, and a product may be joined to another step
   return apply(Code::sum, a, b);
 }
 Node Graph::difference(Node a, Node b) {
-  if (is_zero(b)) return a;
-  if (is_zero(a)) return negative(b);
   if (is_constant(a) && is_constant(b)) return constant(steps_[a].number - steps_[b].number);
   return apply(Code::difference, a, b);
 }
 Node Graph::product(Node a, Node b) {
-  if (is_zero(a) || is_zero(b)) return constant(0.0);
   if (is(a, 1.0)) return b;
   if (is(b, 1.0)) return a;
   if (is_constant(a) && is_constant(b)) return constant(steps_[a].number * steps_[b].number);
   return apply(Code::product, a, b);
 }
 Node Graph::quotient(Node a, Node b) {
-  if (is_zero(a) && !is_zero(b)) return constant(0.0);
   if (is(b, 1.0)) return a;
   if (is_constant(a) && is_constant(b)) return constant(steps_[a].number / steps_[b].number);
   return apply(Code::quotient, a, b);

@@ -73,8 +73,9 @@ struct Step {
   double number = 0.0;
 };
 
-// Steps come after those whose results they take. What is known is left out as in the SDK's dual numbers: a term that
-// is 0 for certain, a factor of 1. That changes no bits of finite results.
+// Steps come after those whose results they take. Constants are computed, and a factor or divisor of 1 is left out,
+// which changes no bits. A term or factor of 0 stays: 0 x has the sign of x, and is nan where x is infinite.
+// Derivatives that are 0 for certain are left out by Forward.
 class Graph {
  public:
   [[nodiscard]] Node constant(double value);

@@ -31,9 +31,12 @@ struct Parsed {
   std::string what;
   Expression formula;
 };
-std::vector<Parsed> parse_all(const LawFormula& law) {
+std::vector<Parsed> parse_all(const LawFormula& law, const Symbols& symbols) {
   std::vector<Parsed> result;
-  for (const NamedFormula& each : formulas_of(law)) result.push_back({each.what, parse_named(each)});
+  for (const NamedFormula& each : formulas_of(law)) {
+    result.push_back({each.what, parse_named(each)});
+    at(each.what, [&] { symbols.check_definitions(result.back().formula); });
+  }
   return result;
 }
 const Parsed* find(const std::vector<Parsed>& all, std::string_view what) {
@@ -190,7 +193,7 @@ Law::Law(const LawFormula& law) : several_(!law.scalars.empty()), curves_(law.cu
   for (const FormulaState& each : law.states)
     states_.push_back(sdk::number("", "", "").at_least(each.smallest).at_most(each.largest).learnable(scale_of(each)));
   smooth_rates_ = law.smooth_rates;
-  const std::vector<Parsed> all = parse_all(law);
+  const std::vector<Parsed> all = parse_all(law, symbols);
   std::vector<const Parsed*> forces;
   for (const Parsed& each : all)
     if (each.what.starts_with("force")) forces.push_back(&each);

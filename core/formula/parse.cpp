@@ -55,6 +55,9 @@ class Parser {
       if (value) {
         if (place_ < text_.size()) fail(place_, unexpected());
         result_.root = number_at(*value);
+        for (const Definition& each : result_.definitions)
+          if (!definitions_.at(each.name).is_used)
+            fail(each.place, fmt::format("'{}' is not used; remove it, or correct the formula", each.name));
         return std::move(result_);
       }
     }
@@ -166,10 +169,11 @@ class Parser {
         ++place_;
         if (!is_name(name)) fail(start, fmt::format("'{}' is a word of the language; choose another name", name));
         if (definitions_.contains(name)) fail(start, fmt::format("'{}' is defined twice", name));
+        result_.definitions.push_back({name, start});
         const std::uint32_t value = number_at(condition());
         if (!take(";"))
           fail(place_, place_ < text_.size() ? unexpected() : "a ';' is missing, and the formula after it");
-        definitions_.emplace(name, value);
+        definitions_.emplace(name, Defined{value});
         return std::nullopt;
       }
       place_ = start;
@@ -286,7 +290,10 @@ class Parser {
     place_ += name.size();
     skip();
     if (place_ < text_.size() && text_[place_] == '(') return call(name, place);
-    if (const auto defined = definitions_.find(name); defined != definitions_.end()) return defined->second;
+    if (const auto defined = definitions_.find(name); defined != definitions_.end()) {
+      defined->second.is_used = true;
+      return defined->second.value;
+    }
     if (find_function(name) != nullptr && name != "rest" && name != "rate")
       fail(place, fmt::format("'{0}' is a function; write {0}(…)", name));
     const std::uint32_t term = add(Operation::name, place);
@@ -335,7 +342,11 @@ class Parser {
   bool is_scalar_;  // a call with any number of arguments
   Expression result_;
   std::size_t place_ = 0, depth_ = 0;
-  std::map<std::string, std::uint32_t, std::less<>> definitions_;
+  struct Defined {
+    std::uint32_t value;
+    bool is_used = false;
+  };
+  std::map<std::string, Defined, std::less<>> definitions_;
 };
 
 void check_length(std::string_view text) {

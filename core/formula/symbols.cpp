@@ -100,6 +100,19 @@ Symbols::Symbols(const LawFormula& law)
   reads_.input.assign(law.inputs.size(), false);
 }
 
+void Symbols::check_definitions(const Expression& formula) const {
+  for (const Definition& each : formula.definitions) {
+    const auto refuse = [&](std::string_view what) {
+      fail_at(formula.text, each.place, fmt::format("'{}' is {}; choose another name", each.name, what));
+    };
+    if (is_own_name(each.name, several_)) refuse("a word of the language");
+    if (index_of(law_.parameters, each.name) >= 0) refuse("a parameter of the law");
+    if (index_of(law_.inputs, each.name) >= 0) refuse("an input of the law");
+    if (index_of(law_.states, each.name) >= 0) refuse("a state of the law");
+    if (index_of(law_.scalars, each.name) >= 0) refuse("a scalar of the law");
+  }
+}
+
 void Symbols::use_invariant(const Expression& formula, const Term& term, std::uint32_t invariant) {
   if (reads_.invariant != 0 && reads_.invariant != invariant)
     fail_at(formula.text, term.place,

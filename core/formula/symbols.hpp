@@ -41,6 +41,8 @@ class Symbols {
   // Throws Error(input) for names that are taken or are none.
   explicit Symbols(const LawFormula& law);
 
+  // Fails for names that a formula defines and that have a meaning already.
+  void check_definitions(const Expression& formula) const;
   // What a name, or rest(name) and rate(name), means; notes that the law reads it. Fails at the term's place.
   [[nodiscard]] Meaning meaning_of(const Expression& formula, const Term& term);
   // rest(…) or rate(…): of the scalar that its argument names.

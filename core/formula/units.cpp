@@ -1,7 +1,6 @@
 #include "formula/units.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -13,14 +12,14 @@
 
 #include "formula/expression.hpp"
 #include "formula/symbols.hpp"
+#include "text/units.hpp"
 
 namespace springnet::formula {
 namespace {
 
-// Exponents of kg, m and s. Angles have none.
-using Unit = std::array<double, 3>;
+using Unit = UnitPowers;
 using Known = std::optional<Unit>;  // nothing: not known, fits anything
-constexpr Unit none{};
+constexpr Unit none{}, joule{1, 2, -2};
 
 Unit times(const Unit& a, const Unit& b, double power = 1.0) {
   Unit result = a;
@@ -44,11 +43,10 @@ std::string text_of(const Unit& unit) {
   for (const Named& each : named)
     if (equal(unit, each.unit)) return each.name;
   std::string text;
-  constexpr const char* bases[] = {"kg", "m", "s"};
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < unit.size(); ++k) {
     if (std::abs(unit[k]) < 1e-9) continue;
     if (!text.empty()) text += ' ';
-    text += bases[k];
+    text += base_units[k];
     if (std::abs(unit[k] - 1.0) > 1e-9) text += fmt::format("^{:g}", unit[k]);
   }
   return text;
@@ -56,13 +54,6 @@ std::string text_of(const Unit& unit) {
 
 // "N s/m^2", "1/s", "Pa s"; nothing for what is not understood.
 Known read(std::string_view text) {
-  struct Base {
-    std::string_view name;
-    Unit unit;
-  };
-  constexpr Base bases[] = {{"1", none},       {"rad", none},     {"kg", {1, 0, 0}}, {"m", {0, 1, 0}},
-                            {"s", {0, 0, 1}},  {"N", {1, 1, -2}}, {"J", {1, 2, -2}}, {"Pa", {1, -1, -2}},
-                            {"W", {1, 2, -3}}, {"Hz", {0, 0, -1}}};
   Unit result = none;
   double side = 1.0;
   std::size_t at = 0;
@@ -84,16 +75,15 @@ Known read(std::string_view text) {
     std::size_t end = at;
     while (end < text.size() && std::string_view(" /*()^").find(text[end]) == std::string_view::npos) ++end;
     const std::string_view name = text.substr(at, end - at);
-    const Base* const found =
-        std::find_if(std::begin(bases), std::end(bases), [&](const Base& each) { return each.name == name; });
-    if (found == std::end(bases)) return std::nullopt;
+    const NamedUnit* const found = find_unit(name);
+    if (found == nullptr && name != "1") return std::nullopt;
     double power = 1.0;
     if (end < text.size() && text[end] == '^') {
       const auto [stop, error] = std::from_chars(text.data() + end + 1, text.data() + text.size(), power);
       if (error != std::errc()) return std::nullopt;
       end = static_cast<std::size_t>(stop - text.data());
     }
-    result = times(result, found->unit, side * power);
+    if (found != nullptr) result = times(result, found->powers, side * power);
     at = end;
   }
   return result;
@@ -233,35 +223,41 @@ class Checker {
   Unit value_;
 };
 
-}  // namespace
+// What units are where a law over one invariant is used.
+struct Use {
+  Unit value, force;
+};
+Use use_on(std::optional<Invariant> elements) {
+  const auto by = [](const Unit& value) { return Use{value, times(joule, value, -1.0)}; };
+  if (!elements) return by({0, 1});
+  switch (*elements) {
+    case Invariant::area:
+      return by({0, 2});
+    case Invariant::volume:
+    case Invariant::enclosed_volume:
+      return by({0, 3});
+    default:  // angles
+      return by(none);
+  }
+}
 
-void check_units(const LawFormula& law) {
-  const auto declares = [](const auto& each) { return !each.unit.empty(); };
-  for (const auto* list : {&law.parameters, &law.inputs})
-    for (const FormulaSymbol& each : *list)
-      if (declares(each) && !read(each.unit))
-        throw Error(ErrorKind::input,
-                    fmt::format("the unit '{}' of '{}' is not known; write it with kg, m, s, rad, N, J, Pa, W, Hz, as "
-                                "\"N s/m\", \"1/s\", or \"1\" for none",
-                                printable(each.unit), each.name));
-  if (std::none_of(law.parameters.begin(), law.parameters.end(), declares) &&
-      std::none_of(law.inputs.begin(), law.inputs.end(), declares))
-    return;
-  const Unit joule{1, 2, -2};
-  Unit value{0, 1, 0};
-  bool is_speed = false;
+// What the formulas themselves say of their use; nothing: they are for whatever has a value.
+std::optional<Use> named_use(const LawFormula& law) {
   for (const NamedFormula& each : formulas_of(law)) {
     for (const Term& term : parse(*each.text).terms) {
       if (term.operation != Operation::name) continue;
-      if (term.name == "angle") value = none;
-      if (term.name == "area") value = {0, 2, 0};
-      if (term.name == "volume") value = {0, 3, 0};
-      is_speed = is_speed || term.name == "speed";
+      if (term.name == "speed") return Use{{0, 1, -1}, {1, 1, -2}};
+      if (term.name == "length" || term.name == "rest") return use_on(std::nullopt);
+      if (term.name == "angle") return use_on(Invariant::angle);
+      if (term.name == "area") return use_on(Invariant::area);
+      if (term.name == "volume") return use_on(Invariant::volume);
     }
   }
-  if (is_speed) value = {0, 1, -1};
-  const Checker checker(law, value);
-  const Unit force = is_speed ? Unit{1, 1, -2} : times(joule, value, -1.0);
+  return std::nullopt;
+}
+
+void check_use(const LawFormula& law, const Use& use) {
+  const Checker checker(law, use.value);
   std::size_t scalar = 0;
   for (const NamedFormula& each : formulas_of(law)) {
     if (each.what == "energy") {
@@ -275,7 +271,7 @@ void check_units(const LawFormula& law) {
           checker.check(each, own ? Known(times(*own, Unit{0, 0, -1})) : own);
         }
     } else if (law.scalars.empty()) {
-      checker.check(each, force);
+      checker.check(each, use.force);
     } else {
       const Known of = checker.unit_of_scalar(law.scalars[scalar++].name);
       checker.check(each, of ? Known(times(joule, *of, -1.0)) : of);
@@ -283,4 +279,42 @@ void check_units(const LawFormula& law) {
   }
 }
 
+// Whether there is something to check. Throws Error(input) for a unit that is not known.
+bool has_units(const LawFormula& law) {
+  bool result = false;
+  for (const auto* list : {&law.parameters, &law.inputs})
+    for (const FormulaSymbol& each : *list) {
+      result = result || !each.unit.empty();
+      if (!each.unit.empty() && !read(each.unit))
+        throw Error(ErrorKind::input, fmt::format("the unit '{}' of '{}' is not known; write it with those of the SI "
+                                                  "without prefixes, as \"N s/m\", \"1/s\", or \"1\" for none",
+                                                  printable(each.unit), each.name));
+    }
+  return result;
+}
+
+}  // namespace
+
+void check_units_of_some_use(const LawFormula& law) {
+  if (!has_units(law)) return;
+  const std::optional<Use> named = named_use(law);
+  if (named || !law.scalars.empty()) return check_use(law, named.value_or(Use{}));
+  for (const Invariant each : {Invariant::angle, Invariant::area, Invariant::volume}) {
+    try {
+      return check_use(law, use_on(each));
+    } catch (const Error&) {  // what is wrong is told of springs
+    }
+  }
+  check_use(law, use_on(std::nullopt));
+}
+
 }  // namespace springnet::formula
+
+namespace springnet {
+
+void check_units(const LawFormula& law, std::optional<Invariant> elements) {
+  using namespace formula;
+  if (law.scalars.empty() && has_units(law)) check_use(law, named_use(law).value_or(use_on(elements)));
+}
+
+}  // namespace springnet

@@ -54,7 +54,7 @@ FunctionChange read_function_change(const Table& table, std::string_view key, Co
     if (value->text() != "none") value->fail("must be a table { type = …, … }, or \"none\" to remove the function");
     return {true, std::nullopt};
   }
-  return {true, read_law(*value, fmt::format("spring.{}", key), kind, plugins, files, LawIsFor::springs)};
+  return {true, read_law(*value, fmt::format("spring.{}", key), kind, plugins, files)};
 }
 
 void change_materials(const Table& table, const std::vector<SpringIndex>& springs, const PluginHost& plugins,

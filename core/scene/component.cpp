@@ -104,25 +104,24 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
 }
 
 LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
-                const Files& files, LawIsFor purpose, std::optional<Invariant> shape,
-                const std::vector<MaterialParameter>& given) {
+                const Files& files, std::optional<Invariant> elements, const std::vector<MaterialParameter>& given) {
   const Table table = law.open_table(schema);
   const bool is_formula = is_formula_of(table);
-  LawUse use =
-      is_formula ? read_formula(table, kind, files, shape, given) : read_component(table, "type", kind, plugins, files);
-  if (purpose == LawIsFor::springs) {
+  LawUse use = is_formula ? read_formula(table, kind, files, elements, given)
+                          : read_component(table, "type", kind, plugins, files);
+  if (!elements) {
     const std::string wrong = layers::misfit(*component_of(use, kind, plugins));
     if (!wrong.empty()) (is_formula ? table.value() : table.need("type")).fail(fmt::format("'{}' {}", use.id, wrong));
   }
   return use;
 }
 
-Material read_material(const Table& table, const PluginHost& plugins, const Files& files, LawIsFor purpose,
-                       std::optional<Invariant> shape) {
+Material read_material(const Table& table, const PluginHost& plugins, const Files& files,
+                       std::optional<Invariant> elements) {
   const auto read = [&](std::string_view key, ComponentKind kind) -> std::optional<LawUse> {
     const std::optional<Value> value = table.find(key);
     if (!value) return std::nullopt;
-    return read_law(*value, fmt::format("{}.{}", table.schema(), key), kind, plugins, files, purpose, shape);
+    return read_law(*value, fmt::format("{}.{}", table.schema(), key), kind, plugins, files, elements);
   };
   return {read("spring", ComponentKind::spring_function), read("viscosity", ComponentKind::viscosity_function)};
 }

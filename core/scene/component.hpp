@@ -1,7 +1,6 @@
 // Uses of components in a scene: { type = "linear", stiffness = 3.0 }, checked against the plugin's own description.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -27,16 +26,14 @@ namespace springnet::scene {
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});
 
-// `shape`: that of the elements of a law over several scalars; `given`: see read_formula().
-// A law under the key of a table, by its name or as a formula, for springs, or for elements that are checked when they
-// are known (check_elements).
-enum class LawIsFor : std::uint8_t { springs, elements };
+// A law under the key of a table, by its name or as a formula, for springs, or for elements of an invariant, each of
+// which is checked when it is known (ElementCheck). `given`: see read_formula().
 [[nodiscard]] LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,
-                              const Files& files, LawIsFor purpose, std::optional<Invariant> shape = {},
+                              const Files& files, std::optional<Invariant> elements = {},
                               const std::vector<MaterialParameter>& given = {});
 // The functions under the keys `spring` and `viscosity` of a table; both are optional.
 [[nodiscard]] Material read_material(const Table& table, const PluginHost& plugins, const Files& files,
-                                     LawIsFor purpose, std::optional<Invariant> shape = {});
+                                     std::optional<Invariant> elements = {});
 
 // Whether the laws of a material fit elements.
 class ElementCheck {

@@ -21,7 +21,7 @@ constexpr std::size_t max_rigid_a_node = 20;
 // `found` counts the springs found by all tables.
 void read_connection(const Table& connect, const PluginHost& plugins, const Files& files, std::size_t& found,
                      Network& network) {
-  const Material material = read_material(connect, plugins, files, LawIsFor::springs);
+  const Material material = read_material(connect, plugins, files);
   if (!material.spring && !material.viscosity) {
     connect.fail("neither 'spring' nor 'viscosity' says what the springs are made of; add spring = { type = …, … }");
   }

@@ -90,7 +90,7 @@ struct Reader {
     const double damping_time = time ? time->number_from_0("s") : 0.0;
     if (own && time)
       time->fail("cannot be combined with 'viscosity', which says what damps the body; remove one of them");
-    if (own) return read_material(body, plugins, files, LawIsFor::elements, shape).viscosity;
+    if (own) return read_material(body, plugins, files, shape).viscosity;
     if (!(damping_time > 0.0)) return std::nullopt;
     const double modulus = number(table, "youngs_modulus", "Pa"), nu = poisson_ratio();
     const double shear = modulus / (2.0 * (1.0 + nu));

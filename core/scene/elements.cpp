@@ -189,8 +189,7 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   const auto invariant = static_cast<Invariant>(table.need("invariant")
                                                     .choice({"angle", "dihedral", "area", "volume", "enclosed_volume",
                                                              "chain", "triangle", "hinge", "tetrahedron"}));
-  const Material material = read_material(table, plugins, files, LawIsFor::elements,
-                                          reads_several(invariant) ? std::optional(invariant) : std::nullopt);
+  const Material material = read_material(table, plugins, files, invariant);
   if (!material.spring && !material.viscosity) {
     table.fail("neither 'spring' nor 'viscosity' says what the elements do; add spring = { type = …, … }");
   }

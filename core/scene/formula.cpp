@@ -8,6 +8,7 @@
 
 #include <springnet/formula.hpp>
 
+#include "formula/expression.hpp"
 #include "scene/formula_numbers.hpp"
 
 namespace springnet::scene {
@@ -79,7 +80,7 @@ void read_forces(const Value& formula, LawFormula& law) {
   const Table forces = formula.open_table("formula");
   for (const FormulaScalar& scalar : law.scalars) {
     const auto force = forces.find_parameter(scalar.name);
-    law.forces.push_back(force ? force->prose() : "0");
+    law.forces.push_back(force ? force->prose(formula::max_length) : "0");
   }
   for (const std::string& name : forces.keys())
     if (std::none_of(law.scalars.begin(), law.scalars.end(), [&](const auto& each) { return each.name == name; }))
@@ -113,11 +114,11 @@ std::optional<Invariant> shape_of_formula(const Table& table) {
   if (!scalars) return std::nullopt;
   LawFormula law;
   read_scalars(*scalars, law);
-  const auto has_fourth = [](const FormulaScalar& each) { return each.of.find('3') != std::string::npos; };
-  return std::any_of(law.scalars.begin(), law.scalars.end(), has_fourth) ? Invariant::tetrahedron : Invariant::triangle;
+  const Invariant shape = scalars->at_this_place([&] { return shape_of(law.scalars); });
+  return shape == Invariant::chain ? Invariant::triangle : shape;  // no body is made of chains
 }
 
-LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, std::optional<Invariant> shape,
+LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, std::optional<Invariant> elements,
                     const std::vector<MaterialParameter>& given) {
   if (const auto type = table.find_parameter("type"))
     type->fail("cannot be combined with 'formula'; remove one of them");
@@ -126,24 +127,25 @@ LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, 
   const auto formula = table.find_parameter("formula");
   const auto scalars = table.find_parameter("scalars");
   const auto stretch = table.find_parameter("stretch");
-  if (scalars && !shape)
+  const bool several = elements && reads_several(*elements);
+  if (scalars && !several)
     scalars->fail(
         "has no meaning here; laws over several scalars are for elements of the invariants chain, triangle, "
         "hinge and tetrahedron");
-  if (shape) law.shape = *shape;
-  if (shape && !scalars)
+  if (several) law.shape = *elements;
+  if (several && !scalars)
     table.fail("has no 'scalars', which say what the formula reads; add scalars = { a = \"length(0, 1)\", … }");
   if (scalars) read_scalars(*scalars, law);
-  if (formula && shape)
+  if (formula && several)
     read_forces(*formula, law);
   else if (formula)
-    law.force = formula->prose();
-  if (const auto energy = table.find_parameter("energy")) law.energy = energy->prose();
-  if (const auto margin = table.find_parameter("margin")) law.margin = margin->prose();
+    law.force = formula->prose(formula::max_length);
+  if (const auto energy = table.find_parameter("energy")) law.energy = energy->prose(formula::max_length);
+  if (const auto margin = table.find_parameter("margin")) law.margin = margin->prose(formula::max_length);
   if (const auto inputs = table.find_parameter("inputs")) read_inputs(*inputs, law);
   if (const auto states = table.find_parameter("states")) law.states = read_states(*states);
   if (const auto curves = table.find_parameter("curves")) read_curves(*curves, law);
-  if (stretch && shape) stretch->fail("has no meaning for a law over several scalars; remove it");
+  if (stretch && several) stretch->fail("has no meaning for a law over several scalars; remove it");
   if (stretch) read_stretch(*stretch, law);
   if (const auto declares = table.find_parameter("declares")) read_promises(*declares, law);
   if (const auto summary = table.find_parameter("summary")) law.summary = summary->text();
@@ -157,6 +159,7 @@ LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, 
   const Value place = formula ? *formula : *table.find_parameter("energy");
   add_given(table, place, given, law, values);
   LawUse use = place.at_this_place([&] { return law_of(law, values); });
+  place.at_this_place([&] { check_units(law, elements); });
   if (stretch && use.component->law().invariant == SPRINGNET_RELATIVE_SPEED)
     stretch->fail("has no meaning for a law of the relative speed; remove it");
   if (files.formulas != nullptr) files.formulas->push_back({table.value().path(), use, 0.0});

@@ -22,12 +22,13 @@ struct MaterialParameter {
 
 // Whether the table of a law has a formula, or an energy, in place of the name of a law.
 [[nodiscard]] bool is_formula_of(const Table& table);
-// The shape of the elements that a formula over several scalars is for, by the nodes that these have: triangles, or
-// tetrahedra. Nothing: it reads one value.
+// The shape of the elements that a formula over several scalars is for, by the nodes that these have: triangles,
+// tetrahedra, or hinges. Nothing: it reads one value.
 [[nodiscard]] std::optional<Invariant> shape_of_formula(const Table& table);
 // Keys that are none of the language's are parameters: numbers, texts with a unit, "3 N/m", or tables with bounds.
-// `shape`: that of the elements of a law over several scalars. Notes the law in `files` if that asks for it.
+// `elements`: of which invariant those are that have the law; nothing: springs. Notes the law in `files` if that asks
+// for it.
 [[nodiscard]] LawUse read_formula(const Table& table, ComponentKind kind, const Files& files,
-                                  std::optional<Invariant> shape, const std::vector<MaterialParameter>& given = {});
+                                  std::optional<Invariant> elements, const std::vector<MaterialParameter>& given = {});
 
 }  // namespace springnet::scene

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "formula/expression.hpp"
+
 namespace springnet::scene {
 namespace {
 
@@ -62,7 +64,7 @@ FormulaState read_state(const std::string& name, const Value& value) {
   FormulaState state{name, ""};
   const auto rate = table.find_parameter("rate");
   if (!rate) value.fail("has no 'rate'; write { rate = \"…\", start = 0.0 }");
-  state.rate = rate->prose();
+  state.rate = rate->prose(formula::max_length);
   const auto start = table.find_parameter("start");
   if (start) {
     const Quantity quantity = read_quantity(*start);

@@ -34,7 +34,7 @@ struct Springs {
 };
 
 Springs read_springs(const Table& body, const Table& table, const PluginHost& plugins, const Files& files) {
-  Springs springs{read_material(body, plugins, files, LawIsFor::springs)};
+  Springs springs{read_material(body, plugins, files)};
   if (springs.material.spring) {
     body.find("spring")->fail("cannot be combined with 'material', which says what springs are made of; remove one");
   }
@@ -45,8 +45,8 @@ Springs read_springs(const Table& body, const Table& table, const PluginHost& pl
   } else if (law->is_text()) {
     springs.material.spring = read_component_name(*law, ComponentKind::spring_function, plugins, supplied);
   } else if (const Table own = law->open_table("body.material.law"); is_formula_of(own)) {
-    springs.material.spring = read_law(*law, "body.material.law", ComponentKind::spring_function, plugins, files,
-                                       LawIsFor::springs, {}, {{stiffness, "N/m", [] { return 1.0; }}});
+    springs.material.spring = read_law(*law, "body.material.law", ComponentKind::spring_function, plugins, files, {},
+                                       {{stiffness, "N/m", [] { return 1.0; }}});
     if (!springs.material.spring->parameters.contains(stiffness))
       law->fail(
           "does not read 'stiffness' (N/m), which the material gives to each spring; write it, as in "
@@ -108,7 +108,7 @@ std::vector<MaterialIndex> read_materials(const Table& body, const Cells& cells,
       }
       if (body.has(key)) static_cast<void>(body.find(key)->number_above_0(""));
     }
-    const Material material = read_material(body, plugins, files, LawIsFor::springs);
+    const Material material = read_material(body, plugins, files);
     if (!material.spring && !material.viscosity) return {};
     return {network.add_material(material)};
   }

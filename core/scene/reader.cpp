@@ -109,11 +109,10 @@ std::string Value::text() const {
   return value;
 }
 
-std::string Value::prose() const {
+std::string Value::prose(std::size_t longest) const {
   const std::optional<std::string> value = node_->value_exact<std::string>();
   if (!value) wrong_type("a text in quotes");
   if (value->empty()) fail("must not be empty");
-  constexpr std::size_t longest = 4096;  // bytes, as for a path
   if (value->size() > longest) {
     fail(fmt::format("must have at most {} bytes, has {}; shorten it", grouped(longest), grouped(value->size())));
   }

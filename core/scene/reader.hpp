@@ -37,9 +37,10 @@ class Value {
   [[nodiscard]] std::int64_t integer(std::int64_t smallest = std::numeric_limits<std::int64_t>::min(),
                                      std::int64_t largest = std::numeric_limits<std::int64_t>::max()) const;
   [[nodiscard]] bool boolean() const;
-  // Not empty, not longer than a path, without control characters.
+  static constexpr std::size_t longest_text = 4096;  // bytes, as for a path
+  // Not empty, not longer than that, without control characters.
   [[nodiscard]] std::string text() const;
-  [[nodiscard]] std::string prose() const;  // the same, but may have several lines
+  [[nodiscard]] std::string prose(std::size_t longest = longest_text) const;  // the same, but may have several lines
   [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices) const;
   [[nodiscard]] Vector3 vector() const;     // [x, y, z]
   [[nodiscard]] Vector3 direction() const;  // the same, normalised

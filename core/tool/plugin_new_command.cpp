@@ -172,15 +172,6 @@ std::pair<std::string, std::string> split(const char* option, const std::string&
   return parts;
 }
 
-// Nodes that scalars name tell the elements that they are of.
-Invariant shape_of(const std::vector<FormulaScalar>& scalars) {
-  const auto has = [&](const char* part) {
-    return std::any_of(scalars.begin(), scalars.end(),
-                       [&](const FormulaScalar& each) { return each.of.find(part) != std::string::npos; });
-  };
-  return has("dihedral") ? Invariant::hinge : has("3") ? Invariant::tetrahedron : Invariant::triangle;
-}
-
 // The law that options give. States and scalars in the order of their names, which is that of scenes.
 LawFormula law_by_options(const PluginNewArguments& arguments, ComponentKind kind) {
   LawFormula law;
@@ -295,6 +286,7 @@ int write_project(const PluginNewArguments& arguments) {
   if (arguments.has_formula()) {
     LawFormula law = law_by_options(arguments, project.kind);
     for (const std::string& set : arguments.sets) read_set(set, law, project.values);
+    check_units(law, std::nullopt);  // of names that go with every invariant the scene has springs
     project.formula = std::move(law);
   }
   if (from_scene) take_from_scene(arguments, project);
@@ -358,7 +350,7 @@ void add_plugin_new(CLI::App& parent, Action& action) {
   add_list("--state", arguments->states, "An internal state and its rate, per second. May be repeated", "NAME:RATE");
   add_list("--input", arguments->inputs, "A signal that the formula reads. May be repeated", "NAME");
   add_list("--scalar", arguments->scalars,
-           "What an energy reads of a triangle, hinge or tetrahedron: \"a = length(0, 1)\". May be repeated",
+           "What an energy reads of a chain, triangle, hinge or tetrahedron: \"a = length(0, 1)\". May be repeated",
            "NAME=SCALAR");
   CLI::Option* const from =
       command->add_option("--from", arguments->scene, "A scene, one of whose formulas becomes the law")

@@ -152,6 +152,11 @@ TEST_CASE("mistakes are told with their column and a caret") {
   refused("x = 3;", "column 7 | ends with a definition");
   refused("x = 3; x = 4; x", "'x' is defined twice");
   refused("sin = 3; sin", "'sin' is a word of the language");
+  for (const char* word : {"e", "strain", "length", "value", "angle", "speed", "strain_rate", "time", "pi", "nan"})
+    refused(std::string("x = stiffness; ") + word + " = 2*x; stiffness*" + word,
+            std::string("force: column 16 | '") + word + "' is a word of the language");
+  refused("x = stiffnes*e; stiffness*e", "column 1 | 'x' is not used | ^");
+  refused("x = 2; y = 3*x; stiffness*e", "column 8 | 'y' is not used");
   refused("", "no formula");
   refused("  ", "is empty");
   refused("stiffness*e + π", "column 15 | 'π' has no meaning");
@@ -162,6 +167,41 @@ TEST_CASE("mistakes are told with their column and a caret") {
   refused("angle*area", "column 7 | 'area' does not go with 'angle'");
   refused("speed", "viscosities");
   refused("e.b", "column 2 | '.' has no meaning");
+}
+
+TEST_CASE("a definition takes no name of the law") {
+  LawFormula law;
+  law.force = "stiffness = 2; stiffness*(e - z) + drive";
+  law.energy = "stiffness*e^2";
+  law.parameters = {{"stiffness"}};
+  law.inputs = {{"drive"}};
+  law.states = {{"z", "e - z"}};
+  CHECK(testing::has_facts(refusal(law), "force: column 1 | 'stiffness' is a parameter of the law"));
+  law.force = "stiffness*(e - z) + drive";
+  law.energy = "z = 3; stiffness*z^2";
+  CHECK(testing::has_facts(refusal(law), "energy: column 1 | 'z' is a state of the law"));
+  law.energy = "drive = 3; stiffness*drive^2";
+  CHECK(testing::has_facts(refusal(law), "energy: column 1 | 'drive' is an input of the law"));
+  // Laws over several scalars have names of their own.
+  LawFormula sheet;
+  sheet.scalars = {{"a", "length(0, 1)"}};
+  sheet.energy = "e = a - rest(a); e^2";
+  CHECK(refusal(sheet) == "");
+  sheet.energy = "a = 2; a^2";
+  CHECK(testing::has_facts(refusal(sheet), "energy: column 1 | 'a' is a scalar of the law"));
+}
+
+TEST_CASE("scalars tell their elements by the nodes that they read") {
+  CHECK(shape_of({{"a", "length(0, 1)"}, {"b", "length(0, 2)"}}) == Invariant::triangle);
+  CHECK(shape_of({{"a", "angle(0, 1, 2)"}}) == Invariant::chain);
+  CHECK(shape_of({{"a", "angle(0, 1, 2)"}, {"b", "length(0, 1)"}, {"c", "length(2, 1)"}}) == Invariant::chain);
+  CHECK(shape_of({{"a", "angle(0, 1, 2)"}, {"b", "length(0, 2)"}}) == Invariant::triangle);
+  CHECK(shape_of({{"a", "angle(0, 1, 2)"}, {"b", "area(0, 1, 2)"}}) == Invariant::triangle);
+  CHECK(shape_of({{"a", "angle(1, 0, 2)"}}) == Invariant::triangle);
+  CHECK(shape_of({{"a", "angle(0, 1, 3)"}}) == Invariant::tetrahedron);
+  CHECK(shape_of({{"a", "length(0, 1)"}, {"b", "dihedral(0, 1, 2, 3)"}}) == Invariant::hinge);
+  CHECK(shape_of({{"a3", "length(0, 1)"}, {"b", "length( 1 , 2.0 )"}}) == Invariant::triangle);
+  CHECK_THROWS_AS(static_cast<void>(shape_of({{"a", "length(0, 4)"}})), Error);
 }
 
 TEST_CASE("what a law declares is checked") {

@@ -196,6 +196,28 @@ LawFormula joined() {
   return law;
 }
 
+// What an author writes with 0 is computed: its sign counts.
+struct Nothing : sdk::SpringFunction {
+  using has = sdk::Has<sdk::Energy>;
+  static constexpr const char *id = "nothing", *summary = "terms and factors of 0";
+  static constexpr sdk::Parameter parameters[] = {sdk::number("a", "1", "")};
+  static auto force(const auto& e, const auto& p) {
+    const auto x = e.q - 1.0, zero = 0.0 * x;
+    return p[0] * atan2(zero, -1.0) + atan2(0.0 - zero, -1.0) + 2.0 * atan2(0.0 + zero, -1.0) +
+           3.0 * atan2(0.0 / x, -1.0) + 4.0 * atan2(zero - 0.0, -1.0) + x * 0.0;
+  }
+  static auto energy(const auto& e, const auto& p) { return (0.0 - p[0]) * (0.0 * e.q + e.q * e.q); }
+};
+LawFormula nothing() {
+  LawFormula law;
+  law.force =
+      "x = length - 1; zero = 0*x; a*atan2(zero, 0 - 1) + atan2(0 - zero, -1) + 2*atan2(0 + zero, -1) + "
+      "3*atan2(0/x, -1) + 4*atan2(zero - 0, -1) + x*0";
+  law.energy = "(0 - a)*(0*length + length^2)";
+  law.parameters = {{"a"}};
+  return law;
+}
+
 // Which arguments are the same for all: no one, the reference and all parameters and inputs, or every second of them.
 enum class Uniform { nothing, all, some };
 
@@ -399,6 +421,22 @@ TEST_CASE("a formula has the bits of the compiled law: force, energy, margin and
   compare<Worm>(worm());
 }
 TEST_CASE("steps that are done in one loop have the bits of each by itself") { compare<Joined>(joined()); }
+TEST_CASE("terms and factors of 0 are computed as in the compiled law") {
+  compare<Nothing>(nothing());
+  LawFormula hidden;
+  hidden.force = "0*(1/e)";
+  const auto made = component_of(hidden);
+  const double length = 1.0, rest = 1.0;
+  double force = 0.0;
+  springnet_law_batch b{};
+  b.struct_size = sizeof b;
+  b.count = 1;
+  b.q = &length;
+  b.reference = &rest;
+  b.force = &force;
+  REQUIRE(made->law().evaluate(made->law().context, &b) == SPRINGNET_OK);
+  CHECK(std::isnan(force));
+}
 TEST_CASE("an energy alone has the bits of the compiled law") { compare<EnergyAlone>(energy_alone()); }
 TEST_CASE("a formula with states has the bits of the compiled law, in steps of both orders too") {
   compare<Relaxing>(relaxing());

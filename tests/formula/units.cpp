@@ -1,4 +1,5 @@
 // Units of formulas.
+#include <optional>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -40,6 +41,45 @@ TEST_CASE("units that fit are taken") {
   CHECK(refusal("mass*e*frequency^2", {{"mass", "kg"}, {"frequency", "1/s"}}) == "");
   CHECK(refusal("a*max(e, 0) + b*min(rate, 0)", {{"a", "N/m"}, {"b"}}) == "");  // b: not said
   CHECK(refusal("a*(e - 0.1)", {{"a"}}) == "");                                 // nothing is said
+}
+
+TEST_CASE("all units of the SI are known, and a formula of elements may have theirs") {
+  CHECK(refusal("k*temperature*e/l^2", {{"k", "J/K"}, {"temperature", "K"}, {"l", "m"}}) == "");
+  CHECK(refusal("gas*temperature*amount/length", {{"gas", "J/(mol K)"}, {"temperature", "K"}, {"amount", "mol"}}) ==
+        "");
+  CHECK(refusal("c*u*u/length", {{"c", "F"}, {"u", "V"}}) == "");
+  CHECK(refusal("q*q/(eps*e^2)", {{"q", "C"}, {"eps", "F/m"}}) == "");
+  refused(refusal("k*temperature*e", {{"k", "N/m"}, {"temperature", "K"}}), "is in kg m s^-2 K | must be in N");
+  CHECK(refusal("k*e", {{"k", "N m"}}) == "");
+  CHECK(refusal("k*e", {{"k", "Pa/m^3"}}) == "");
+  CHECK(refusal("k*(angle - 2)", {{"k", "N m"}}) == "");
+  refused(refusal("k*angle", {{"k", "N/m"}}), "must be in J");
+  refused(refusal("k*length", {{"k", "N m"}}), "must be in N");
+}
+
+TEST_CASE("the units of a law that goes with every invariant are checked for its use") {
+  LawFormula law;
+  law.force = "k*e";
+  const auto wrong = [&](const std::string& unit, std::optional<Invariant> elements) -> std::string {
+    law.parameters = {{"k", unit}};
+    try {
+      check_units(law, elements);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  CHECK(wrong("N/m", std::nullopt) == "");
+  CHECK(wrong("N m", Invariant::angle) == "");
+  CHECK(wrong("J", Invariant::dihedral) == "");
+  CHECK(wrong("N/m^3", Invariant::area) == "");
+  CHECK(wrong("Pa/m^3", Invariant::volume) == "");
+  CHECK(wrong("Pa/m^3", Invariant::enclosed_volume) == "");
+  CHECK(wrong("", Invariant::angle) == "");
+  refused(wrong("N m", std::nullopt), "must be in N");
+  refused(wrong("N/m", Invariant::angle), "is in N/m | must be in J");
+  refused(wrong("N m", Invariant::area), "must be in N/m");
+  refused(wrong("N/m", Invariant::volume), "must be in Pa");
 }
 
 TEST_CASE("units that do not fit are told with their place") {

@@ -81,6 +81,32 @@ TEST_CASE("a formula in a scene: parameters, units, inputs, curves, states") {
   CHECK(refusal(elements) == "");
 }
 
+TEST_CASE("units are checked for the elements that have the law") {
+  const auto law = [](const char* invariant, const std::string& unit) {
+    const bool of_chain = invariant == std::string("angle");
+    return chain("spring = { formula = \"k*e\", k = 1 }") + sheet + "[[element]]\ninvariant = \"" + invariant +
+           "\"\nselect = { body = \"" + (of_chain ? "chain" : "sheet") +
+           "\" }\nspring = { formula = \"k*e\", k = \"2 " + unit +
+           "\" }\nviscosity = { formula = \"c*rate\", c = 1 }\n";
+  };
+  CHECK(refusal(law("angle", "N m")) == "");
+  CHECK(refusal(law("dihedral", "N m/rad")) == "");
+  CHECK(refusal(law("area", "N/m^3")) == "");
+  refused(law("angle", "N/m"), "element.0.spring.formula | force: is in N/m, and must be in J");
+  refused(law("area", "N/m"), "element.0.spring.formula | must be in N/m");
+  refused(chain("spring = { formula = \"k*e\", k = \"2 N m\" }"), "body.0.spring.formula | must be in N");
+  CHECK(refusal(chain("spring = { formula = \"k*temp*e\", k = \"2 N/(m K)\", temp = \"300 K\" }")) == "");
+}
+
+TEST_CASE("a formula in a scene has its own limit of length, and a title that of texts") {
+  const std::string zeros = "spring = { formula = \"k*e" + std::string(6000, ' ') + "\", k = 1 }";
+  CHECK(refusal(chain(zeros)) == "");
+  refused(chain("spring = { formula = \"k*e" + std::string(10'000, ' ') + "\", k = 1 }"),
+          "body.0.spring.formula | at most 10,000 bytes, has 10,003");
+  refused("title = \"" + std::string(6000, 'a') + "\"\n" + chain("spring = { formula = \"k*e\", k = 1 }"),
+          "title | at most 4,096 bytes");
+}
+
 TEST_CASE("mistakes in formulas of scenes are told with file, line, column, key and a caret") {
   refused(
       chain("spring = { formula = \"stifness*e\", stiffness = 1 }"),

@@ -11,6 +11,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -85,9 +86,19 @@ struct LawFormula {
 // appear: the parameters. Throws Error(input) for a formula that cannot be read.
 [[nodiscard]] SPRINGNET_API std::vector<std::string> parameters_of(const LawFormula& formula);
 
+// The elements that scalars are of, by the nodes that they read: hinges if one is a dihedral angle, tetrahedra if one
+// has node 3, chains if all there is of three nodes is the angle at node 1, else triangles. Throws Error(input) for a
+// scalar that cannot be read.
+[[nodiscard]] SPRINGNET_API Invariant shape_of(const std::vector<FormulaScalar>& scalars);
+
 // The law as a component. Throws Error(input) that says what is wrong, with its column and a caret: a name that is not
-// known, a parameter that no formula reads, units that do not fit, a formula that is too long.
+// known, a parameter that no formula reads, units that fit neither springs nor elements of one kind, a formula that is
+// too long.
 [[nodiscard]] SPRINGNET_API std::shared_ptr<const Component> component_of(const LawFormula& formula);
+
+// Checks the units of a law over one invariant for a use: on elements, or on springs. Throws Error(input) for those
+// that do not fit: with `e` in rad a stiffness is in N m, in m it is in N/m. Does nothing if no parameter has a unit.
+SPRINGNET_API void check_units(const LawFormula& formula, std::optional<Invariant> elements);
 
 // The formula that a component was made of by component_of(), as long as the component lives; null for all others.
 [[nodiscard]] SPRINGNET_API const LawFormula* formula_of(const Component& component);
