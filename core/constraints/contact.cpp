@@ -182,6 +182,52 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
   return changes;
 }
 
+void Contact::archive(Archive& archive) {
+  archive.same(obstacles_.size(), "surfaces");
+  for (Obstacle& each : obstacles_) each.archive(archive);
+  prescribed_.archive(archive);
+  archive.number(rest_speed_);
+  archive.flag(any_fixed_);
+  for (std::uint8_t& each : fixed_) {
+    bool fixed = each != 0;
+    archive.flag(fixed);
+    each = fixed ? 1 : 0;
+  }
+  bool any_impulse = !impulse_.empty();  // of nodes held or moved; with surfaces, of all
+  archive.flag(any_impulse);
+  if (impulse_.empty() && any_impulse) impulse_.resize(mass_.size(), Vector3::Zero());
+  if (any_impulse) archive.vectors(impulse_, "impulses");
+  if (!obstacles_.empty()) archive_contacts(archive);
+  if (!archive.reads()) return;
+  cached_placement_.reset();
+  start_.reset();
+  for (std::uint32_t k = 0; k < fixed_.size(); ++k) refresh(k);
+}
+
+void Contact::archive_contacts(Archive& archive) {
+  const std::uint64_t surfaces = obstacles_.size() + 1;
+  const auto surface = [&](std::int32_t& number) {
+    std::int64_t shifted = std::int64_t{number} + 1;
+    archive.below(shifted, surfaces, "a surface");
+    number = static_cast<std::int32_t>(shifted - 1);
+  };
+  for (std::vector<Touch>* touches : {&committed_, &now_}) {
+    for (Touch& each : *touches) {
+      for (std::int32_t* number : {&each.surface, &each.second, &each.third}) surface(*number);
+      archive.flag(each.slides);
+      if ((each.surface < 0 && each.second >= 0) || (each.second < 0 && each.third >= 0))
+        Archive::refuse("a contact is none");
+    }
+  }
+  archive.numbers(braced_, "contacts");
+  for (Slip& each : slip_phase_) archive.below(each, 3, "a phase of slip");
+  for (std::int32_t& each : last_surface_) surface(each);
+  archive.vectors(slip_, "slips");
+  archive.vectors(sweep_impulse_, "impulses");
+  archive.vectors(surface_impulse_, "impulses of surfaces");
+  if (archive.reads()) start_gap_.assign(mass_.size(), StartGap{});
+}
+
 std::vector<Vector3> Contact::normals(const Placement& at, std::uint32_t node, const Vector3& position) const {
   std::vector<Vector3> result;
   for (const std::int32_t surface : now(node).surfaces())

@@ -20,6 +20,7 @@
 #include "constraints/obstacle.hpp"
 #include "constraints/placement.hpp"
 #include "constraints/prescribed.hpp"
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -119,6 +120,9 @@ class Contact {
   void add_surface_impulse(std::size_t surface, const Vector3& impulse) { surface_impulse_[surface] += impulse; }
   // Sum of the impulses of nodes on a surface so far, N s.
   [[nodiscard]] const Vector3& surface_impulse(std::size_t surface) const { return surface_impulse_[surface]; }
+
+  // Contacts, friction, impulses and motions at a committed state.
+  void archive(Archive& archive);
 
   // ---- within a step ----
   // Begins a step from the committed contacts, with surfaces at `start`.
@@ -253,6 +257,7 @@ class Contact {
                     const Candidate& candidate);
   [[nodiscard]] Vector3 onto_both(const Placement& at, std::int32_t first, std::int32_t second,
                                   const Vector3& position) const;
+  void archive_contacts(Archive& archive);
   void refresh(std::uint32_t node);
   // The acceleration of a sliding node without rigid connections, from the one without surfaces.
   [[nodiscard]] Vector3 sliding_acceleration(const Placement& at, std::uint32_t node, const Vector3& position,

@@ -13,6 +13,7 @@
 #include "constraints/sample_time.hpp"
 #include "network/trajectory.hpp"
 #include "network/turning.hpp"
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -66,9 +67,24 @@ class Obstacle {
   [[nodiscard]] Vector3 displacement_to(const Vector3& position, double time) const;
   // Replaces the motion; it turns as before.
   void set_trajectory(Trajectory trajectory) {
+    if (!told_) of_scene_ = {std::move(trajectory_), looks_sampled_};
     trajectory_ = std::move(trajectory);
     looks_sampled_ = false;
     told_ = true;
+  }
+  // The motion set since the start.
+  void archive(Archive& archive) {
+    bool told = told_;
+    archive.flag(told);
+    if (told) {
+      Trajectory trajectory = trajectory_;
+      trajectory.archive(archive);
+      if (archive.reads()) set_trajectory(std::move(trajectory));
+    } else if (told_) {
+      trajectory_ = of_scene_.trajectory;
+      looks_sampled_ = of_scene_.looks_sampled;
+      told_ = false;
+    }
   }
   // Its motion was set since the start, by the embedding program.
   [[nodiscard]] bool told() const noexcept { return told_; }
@@ -138,6 +154,10 @@ class Obstacle {
   Trajectory trajectory_;
   Turning turning_;
   bool looks_sampled_ = false, told_ = false;
+  struct {
+    Trajectory trajectory;
+    bool looks_sampled = false;
+  } of_scene_;  // if told_
   bool turns_in_place_ = false;
   Vector3 turn_axis_ = Vector3::UnitZ();
   Vector3 pivot_;  // m: a point of the axis, at the start

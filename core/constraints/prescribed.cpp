@@ -8,63 +8,102 @@ namespace springnet {
 Prescribed::Prescribed(const Network& network, const std::vector<std::uint32_t>& engine_number)
     : node_count_(engine_number.size()) {
   for (const Move& move : network.moves()) {
-    trajectories_.emplace_back(move.motion);
+    now_.trajectories.emplace_back(move.motion);
     for (const NodeIndex user : move.nodes) {
-      motion_of_.resize(node_count_, none);
-      start_.resize(node_count_);
+      now_.motion_of.resize(node_count_, none);
+      now_.start.resize(node_count_);
       const std::uint32_t k = engine_number[user];
-      motion_of_[k] = static_cast<std::uint32_t>(trajectories_.size() - 1);
-      start_[k] = network.nodes()[user].position;
+      now_.motion_of[k] = static_cast<std::uint32_t>(now_.trajectories.size() - 1);
+      now_.start[k] = network.nodes()[user].position;
     }
   }
-  if (motion_of_.empty()) trajectories_.clear();  // no motion has a node
-  told_.assign(trajectories_.size(), 0);
+  if (now_.motion_of.empty()) now_.trajectories.clear();  // no motion has a node
+  now_.told.assign(now_.trajectories.size(), 0);
 }
 
 Prescribed::Samples Prescribed::at(const SampleTime& time) const {
   Samples samples;
-  samples.reserve(trajectories_.size());
-  for (const Trajectory& trajectory : trajectories_) samples.push_back(sample(trajectory, time));
+  samples.reserve(now_.trajectories.size());
+  for (const Trajectory& trajectory : now_.trajectories) samples.push_back(sample(trajectory, time));
   return samples;
 }
 
 double Prescribed::typical_speed() const noexcept {
   double speed = 0.0;
-  for (const Trajectory& trajectory : trajectories_) speed = std::max(speed, trajectory.typical_speed());
+  for (const Trajectory& trajectory : now_.trajectories) speed = std::max(speed, trajectory.typical_speed());
   return speed;
 }
 
 double Prescribed::next_change(double time) const {
   double next = std::numeric_limits<double>::infinity();
-  for (const Trajectory& trajectory : trajectories_) next = std::min(next, trajectory.next_change(time));
+  for (const Trajectory& trajectory : now_.trajectories) next = std::min(next, trajectory.next_change(time));
   return next;
 }
 
 double Prescribed::next_change_of_scene(double time) const {
   double next = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < trajectories_.size(); ++i)
-    if (told_[i] == 0) next = std::min(next, trajectories_[i].next_change(time));
+  for (std::size_t i = 0; i < now_.trajectories.size(); ++i)
+    if (now_.told[i] == 0) next = std::min(next, now_.trajectories[i].next_change(time));
   return next;
 }
 
 void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
-  motion_of_.resize(node_count_, none);
-  start_.resize(node_count_);
+  change();
+  now_.motion_of.resize(node_count_, none);
+  now_.start.resize(node_count_);
   // Reuse the slot of the node's last motion: a host may move a node at every frame.
-  const std::uint32_t old = motion_of_[node];
-  const bool alone = old != none && std::count(motion_of_.begin(), motion_of_.end(), old) == 1;
+  const std::uint32_t old = now_.motion_of[node];
+  const bool alone = old != none && std::count(now_.motion_of.begin(), now_.motion_of.end(), old) == 1;
   if (!alone) {
-    motion_of_[node] = static_cast<std::uint32_t>(trajectories_.size());
-    trajectories_.emplace_back();
-    told_.push_back(1);
+    now_.motion_of[node] = static_cast<std::uint32_t>(now_.trajectories.size());
+    now_.trajectories.emplace_back();
+    now_.told.push_back(1);
   }
-  told_[motion_of_[node]] = 1;
-  trajectories_[motion_of_[node]] = std::move(trajectory);
-  start_[node] = start;
+  now_.told[now_.motion_of[node]] = 1;
+  now_.trajectories[now_.motion_of[node]] = std::move(trajectory);
+  now_.start[node] = start;
+}
+
+void Prescribed::change() {
+  if (!of_scene_) of_scene_ = std::make_unique<const Motions>(now_);
+}
+
+void Prescribed::archive(Archive& archive) {
+  bool changed = of_scene_ != nullptr;
+  archive.flag(changed);
+  if (!changed) {
+    if (of_scene_) now_ = *of_scene_;
+    of_scene_.reset();
+    return;
+  }
+  if (archive.reads()) {
+    change();
+    now_ = *of_scene_;
+  }
+  const std::size_t of_scene = of_scene_->told.size();
+  const std::size_t count = archive.count(now_.told.size(), 1, "motions of nodes");
+  if (count < of_scene) Archive::refuse("motions of nodes are missing");
+  now_.told.resize(count, 1);
+  now_.trajectories.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    bool told = now_.told[k] != 0;
+    archive.flag(told);
+    if (!told && k >= of_scene) Archive::refuse("a motion of a node is not of the scene");
+    now_.told[k] = told ? 1 : 0;
+    if (told) now_.trajectories[k].archive(archive);
+  }
+  now_.motion_of.resize(node_count_, none);
+  now_.start.resize(node_count_, Vector3::Zero());
+  for (std::uint32_t& motion : now_.motion_of) {
+    archive.number(motion);
+    if (motion != none && motion >= count) Archive::refuse("the motion of a node does not exist");
+  }
+  for (Vector3& each : now_.start) archive.vector(each);
 }
 
 void Prescribed::stop(std::uint32_t node) {
-  if (any()) motion_of_[node] = none;
+  change();
+  if (any()) now_.motion_of[node] = none;
 }
 
 }  // namespace springnet

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <springnet/network.hpp>
 
 #include "constraints/sample_time.hpp"
 #include "network/trajectory.hpp"
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -15,20 +17,20 @@ class Prescribed {
  public:
   Prescribed(const Network& network, const std::vector<std::uint32_t>& engine_number);
 
-  [[nodiscard]] bool any() const noexcept { return !trajectories_.empty(); }
-  [[nodiscard]] bool moves(std::uint32_t node) const noexcept { return any() && motion_of_[node] != none; }
+  [[nodiscard]] bool any() const noexcept { return !now_.trajectories.empty(); }
+  [[nodiscard]] bool moves(std::uint32_t node) const noexcept { return any() && now_.motion_of[node] != none; }
   // All motions at a time, for the functions below.
   using Samples = std::vector<Trajectory::Sample>;
   [[nodiscard]] Samples at(const SampleTime& time) const;
   // For nodes with moves() only; m, m/s, m/s^2.
   [[nodiscard]] Vector3 position(const Samples& at, std::uint32_t node) const {
-    return start_[node] + at[motion_of_[node]].displacement;
+    return now_.start[node] + at[now_.motion_of[node]].displacement;
   }
   [[nodiscard]] const Vector3& velocity(const Samples& at, std::uint32_t node) const {
-    return at[motion_of_[node]].velocity;
+    return at[now_.motion_of[node]].velocity;
   }
   [[nodiscard]] const Vector3& acceleration(const Samples& at, std::uint32_t node) const {
-    return at[motion_of_[node]].acceleration;
+    return at[now_.motion_of[node]].acceleration;
   }
   // The greatest of Trajectory::typical_speed(), m/s.
   [[nodiscard]] double typical_speed() const noexcept;
@@ -39,15 +41,23 @@ class Prescribed {
   // set(): from now on the node follows `trajectory`, relative to `start` (m). stop(): its motion ends.
   void set(std::uint32_t node, const Vector3& start, Trajectory trajectory);
   void stop(std::uint32_t node);
+  // Motions set by set(), and which node follows which.
+  void archive(Archive& archive);
 
  private:
   static constexpr std::uint32_t none = 0xffffffffu;
 
+  struct Motions {
+    std::vector<Trajectory> trajectories;
+    std::vector<std::uint8_t> told;        // [trajectory] 1: set by set()
+    std::vector<std::uint32_t> motion_of;  // [node], empty without motions
+    std::vector<Vector3> start;            // [node] m, likewise
+  };
+  void change();
+
   std::size_t node_count_;
-  std::vector<Trajectory> trajectories_;
-  std::vector<std::uint8_t> told_;        // [trajectory] 1: set by set()
-  std::vector<std::uint32_t> motion_of_;  // [node], empty without motions
-  std::vector<Vector3> start_;            // [node] m, likewise
+  Motions now_;
+  std::unique_ptr<const Motions> of_scene_;  // null: nothing has changed since the start
 };
 
 }  // namespace springnet

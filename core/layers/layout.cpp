@@ -271,6 +271,19 @@ std::vector<std::size_t> Layout::remove_faces(const std::vector<std::size_t>& fa
   return removed;
 }
 
+void Layout::put_back_all() {
+  if (live_count_ < alive_.size()) {
+    alive_.assign(alive_.size(), 1);
+    live_count_ = alive_.size();
+    lay_out(1);
+    has_incidence_.store(false, std::memory_order_release);
+    springs_of_group_.clear();
+  }
+  elements_.put_back_all();
+  loaded_faces_.put_back_all();
+  note_removal();
+}
+
 void Layout::note_removal() noexcept {
   neighbour_start_.clear();
   ++revision_;

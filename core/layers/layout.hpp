@@ -82,6 +82,8 @@ class Layout {
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& springs);
   std::vector<std::uint32_t> remove_elements(const std::vector<std::uint32_t>& elements);
   std::vector<std::size_t> remove_faces(const std::vector<std::size_t>& faces);
+  // All that were removed are there again, as at the start.
+  void put_back_all();
 
  private:
   // To the units that have a spring: what(unit, the spring as it is seen from there).

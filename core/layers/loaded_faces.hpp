@@ -73,6 +73,10 @@ class LoadedFaces {
   }
   // Returns those that were live.
   std::vector<std::size_t> remove(const std::vector<std::size_t>& faces);
+  void put_back_all() {
+    alive_.assign(alive_.size(), 1);
+    build();
+  }
 
  private:
   void build();

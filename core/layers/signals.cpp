@@ -67,9 +67,31 @@ void Signals::sample(double time) {
 void Signals::hold(std::uint32_t signal, double value) {
   Signal constant;
   constant.mean = value;
+  replaced_.try_emplace(signal, courses_[signal]);
   courses_[signal] = SignalCourse(constant);
   varying_.erase(std::remove(varying_.begin(), varying_.end(), signal), varying_.end());
   sampled_[signal] = at_start_[signal] = at_end_[signal] = value;
+}
+
+void Signals::archive(Archive& archive) {
+  for (std::uint32_t k = 0; k < courses_.size(); ++k) {
+    const auto original = replaced_.find(k);
+    bool is_held = original != replaced_.end();
+    archive.flag(is_held);
+    double value = at_start_[k];
+    if (is_held) archive.number(value);
+    if (!archive.reads()) continue;
+    if (!std::isfinite(value)) Archive::refuse("the value of an input signal is not finite");
+    if (is_held) {
+      hold(k, value);
+    } else if (original != replaced_.end()) {
+      courses_[k] = original->second;
+      replaced_.erase(original);
+      if (!courses_[k].is_constant()) varying_.insert(std::lower_bound(varying_.begin(), varying_.end(), k), k);
+    }
+  }
+  for (double* each : {&from_, &until_, &slack_, &sampled_time_}) archive.number(*each);
+  for (std::vector<double>* each : {&sampled_, &at_start_, &at_end_}) archive.numbers(*each, "input signals");
 }
 
 double Signals::at_start(std::uint32_t signal, double time, double time_step) const {

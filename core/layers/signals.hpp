@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <vector>
 
 #include "network/signal_course.hpp"
+#include "text/archive.hpp"
 
 namespace springnet::layers {
 
@@ -33,6 +35,8 @@ class Signals {
   }
   // Where a step of `time_step` seconds up to `time` starts.
   [[nodiscard]] double at_start(std::uint32_t signal, double time, double time_step) const;
+  // The present step, and what hold() has set.
+  void archive(Archive& archive);
   // The next time after `time` at which one of them jumps or has a kink, s; infinity if there is none.
   [[nodiscard]] double next_kink(double time) const;
 
@@ -43,8 +47,9 @@ class Signals {
   void sample_all(double time, std::vector<double>& values) const;
 
   std::vector<SignalCourse> courses_;
-  std::vector<std::uint32_t> varying_;  // not constant
-  double from_ = 0.0;                   // s
+  std::vector<std::uint32_t> varying_;              // not constant
+  std::map<std::uint32_t, SignalCourse> replaced_;  // by hold()
+  double from_ = 0.0;                               // s
   double until_ = std::numeric_limits<double>::infinity();
   double slack_ = 0.0;         // s: times this near are those of its ends
   double sampled_time_ = 0.0;  // s

@@ -32,6 +32,26 @@ void Trajectory::find_slopes() {
   }
 }
 
+void Trajectory::archive(Archive& archive) {
+  Motion motion = motion_;
+  archive.below(motion.interpolation, 2, "an interpolation");
+  const std::size_t count = archive.count(motion.times.size(), 4 * sizeof(double), "entries of a motion");
+  motion.times.resize(count);
+  motion.displacements.resize(count, Vector3::Zero());
+  archive.numbers(motion.times.data(), count);
+  for (Vector3& each : motion.displacements) archive.vector(each);
+  archive.vector(motion.amplitude);
+  for (double* each : {&motion.frequency, &motion.phase, &motion.from, &motion.until}) archive.number(*each);
+  if (!archive.reads()) return;
+  bool valid = motion.amplitude.allFinite() && motion.frequency >= 0.0 && std::isfinite(motion.frequency) &&
+               std::isfinite(motion.phase) && std::isfinite(motion.from) && !std::isnan(motion.until);
+  for (std::size_t k = 0; k < count; ++k)
+    valid = valid && std::isfinite(motion.times[k]) && motion.displacements[k].allFinite() &&
+            (k == 0 || motion.times[k] > motion.times[k - 1]);
+  if (!valid) Archive::refuse("a motion is none");
+  *this = Trajectory(motion);
+}
+
 Trajectory::Sample Trajectory::at(double time) const {
   if (!moves_) return {};
   return motion_.displacements.empty() ? on_sinusoid(time) : on_table(time);

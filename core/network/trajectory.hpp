@@ -5,6 +5,8 @@
 
 #include <springnet/network.hpp>
 
+#include "text/archive.hpp"
+
 namespace springnet {
 
 class Trajectory {
@@ -29,6 +31,8 @@ class Trajectory {
   [[nodiscard]] const Vector3& amplitude() const noexcept { return motion_.amplitude; }
   // Greatest speed of a sinusoid, greatest mean speed between two entries of a table, m/s.
   [[nodiscard]] double typical_speed() const noexcept;
+  // The motion.
+  void archive(Archive& archive);
   // False if the displacement is 0 at all times.
   [[nodiscard]] bool moves() const noexcept { return moves_; }
 

@@ -15,6 +15,10 @@ class DissipationLedger {
   void end_step(const Model& model);
 
   [[nodiscard]] double total() const noexcept { return total_; }  // J
+  void archive(Archive& archive) {
+    archive.number(total_);
+    if (archive.reads()) revision_ = 0;
+  }
 
  private:
   void evaluate(const Model& model, layers::Losses& losses) const;

@@ -56,6 +56,9 @@ class Engine {
   [[nodiscard]] ParameterModel& parameters();
   [[nodiscard]] IntegratorCalls& calls() noexcept { return calls_; }
 
+  // What the steps to come depend on, at a committed state; after forget().
+  void archive(Archive& archive);
+
   // ---- for Simulation ----
   // At the committed state, computed on demand. Throws Error(simulation) if a law fails.
   [[nodiscard]] const Reactions& reactions();

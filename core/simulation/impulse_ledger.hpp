@@ -27,6 +27,12 @@ class ImpulseLedger {
   // After the last sweep, once its state is committed: commits the contacts that the sweeps decided, records their
   // events, and adds up impulses.
   springnet_status commit(const Sweep::Done& done);
+  // At a committed state.
+  void archive(Archive& archive) {
+    withheld_.resize(archive.count(withheld_.size(), 3 * sizeof(double), "impulses"), Vector3::Zero());
+    if (!withheld_.empty() && withheld_.size() != model_.node_count()) Archive::refuse("impulses of another network");
+    for (Vector3& each : withheld_) archive.vector(each);
+  }
 
  private:
   // A cluster with fixed nodes at the start of the step: [node of the cluster] m/s, m/s^2.

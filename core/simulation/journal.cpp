@@ -1,6 +1,7 @@
 #include "simulation/journal.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <springnet/printable.hpp>
 
@@ -17,6 +18,29 @@ void Journal::record(Event::Kind kind, double time, std::uint32_t user_node, std
   event.surface = surface;
   event.impulse = impulse;
   events_.push_back(event);
+}
+
+void Journal::archive(Archive& archive) {
+  const std::lock_guard guard(lock_);
+  constexpr std::size_t least_event = 50;  // bytes
+  events_.resize(archive.count(events_.size(), least_event, "events"));
+  for (Event& each : events_) {
+    archive.below(each.kind, 7, "a kind of events");
+    archive.number(each.time);
+    archive.number(each.index);
+    archive.flag(each.element);
+    archive.number(each.surface);
+    archive.vector(each.impulse);
+  }
+  notes_.resize(archive.count(notes_.size(), sizeof(std::uint64_t), "notes"));
+  for (std::string& each : notes_) archive.text(each);
+  std::vector<std::pair<std::string, double>> numbers(numbers_.begin(), numbers_.end());
+  numbers.resize(archive.count(numbers.size(), sizeof(std::uint64_t) + sizeof(double), "numbers"));
+  for (auto& [name, value] : numbers) {
+    archive.text(name);
+    archive.number(value);
+  }
+  if (archive.reads()) numbers_ = {numbers.begin(), numbers.end()};
 }
 
 void Journal::note(const std::string& text) {

@@ -9,6 +9,8 @@
 #include <springnet/sdk/plugin.h>
 #include <springnet/simulation.hpp>
 
+#include "text/archive.hpp"
+
 namespace springnet {
 
 // Any thread of a sweep may call note(), report() and count(); events belong to the thread of the integrator.
@@ -21,6 +23,8 @@ class Journal {
   // Why numbers are not finite, or could not be evaluated, in the present step; empty: they are finite.
   std::string non_finite;
 
+  // Events, notes and numbers.
+  void archive(Archive& archive);
   void record(const Event& event) { events_.push_back(event); }
   // Records an event of a node and an obstacle. impulse: N s.
   void record(Event::Kind kind, double time, std::uint32_t user_node, std::int32_t surface,

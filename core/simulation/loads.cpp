@@ -134,6 +134,29 @@ void Loads::gather() {
   }
 }
 
+void Loads::archive(Archive& archive) {
+  archive.vector(gravity_);
+  archive.flag(follows_);
+  archive.number(time_);
+  archive.same(entries_.size(), "loads");
+  for (Entry& entry : entries_) {
+    archive.number(entry.share);
+    archive.number(entry.weight);
+  }
+  bool any = !host_[0].empty(), any_total = !total_[0].empty();
+  archive.flag(any);
+  archive.flag(any_total);
+  for (std::vector<double>& component : host_) {
+    component.resize(any ? node_count_ : 0);
+    archive.numbers(component, "forces of the program");
+  }
+  if (!archive.reads()) return;
+  if (any_total)
+    gather();
+  else
+    for (std::vector<double>& component : total_) component.clear();
+}
+
 layers::ExternalForces Loads::external() noexcept {
   layers::ExternalForces external;
   external.gravity = gravity_;

@@ -9,6 +9,7 @@
 
 #include "layers/evaluator.hpp"
 #include "network/load_course.hpp"
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -39,6 +40,8 @@ class Loads {
   void set_host_force(std::uint32_t node, const Vector3& force);
   void set_gravity(const Vector3& acceleration) noexcept { gravity_ = acceleration; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
+  // What changes over time, and what the program has set.
+  void archive(Archive& archive);
   // Valid until the next change.
   [[nodiscard]] layers::ExternalForces external() noexcept;
   // Greatest force of one load on a node at any time, N; of a following pressure, with the faces as at the start.

@@ -107,6 +107,30 @@ const State& Model::with_forces() {
   return state;
 }
 
+void Model::archive(Archive& archive) {
+  loads.archive(archive);
+  layout.signals().archive(archive);
+  contact.archive(archive);
+  journal.archive(archive);
+  recent_touches.archive(archive);
+  archive.same(node_count(), "nodes");
+  for (const springnet_vectors& vectors : {state.view.position, state.view.velocity, state.view.force})
+    for (double* component : {vectors.x, vectors.y, vectors.z}) archive.numbers(component, node_count());
+  archive.same(state.internal_count, "internal states");
+  archive.numbers(state.view.internal, state.internal_count);
+  archive.number(state.view.force_is_current);
+  for (double* each : {&time, &interval.from, &interval.until, &step_length, &time_before}) archive.number(*each);
+  for (bool* each : {&stale.forces, &stale.contacts, &jumps_due}) archive.flag(*each);
+  if (!archive.reads()) return;
+  state.view.is_swept = 0;
+  if (state.first_not_finite() < node_count() || !state.internal_finite() || !std::isfinite(time))
+    Archive::refuse("a number is not finite");
+  stale.reactions = true;
+  start_known_ = false;
+  ++revision;
+  ++load_revision;
+}
+
 void Model::changed() noexcept {
   ++revision;
   stale = {true, true, true};

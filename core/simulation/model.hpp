@@ -96,6 +96,8 @@ struct Model {
   [[nodiscard]] double contact_tolerance() const noexcept;
   // Smaller speeds relative to an obstacle are rounding, m/s.
   [[nodiscard]] double no_speed() const noexcept;
+  // The committed state, and all that has changed since the start.
+  void archive(Archive& archive);
   // Records an event of a node (engine's number) and an obstacle.
   void record(Event::Kind kind, double at, std::uint32_t node, std::int32_t surface,
               const Vector3& impulse = Vector3::Zero()) {

@@ -4,6 +4,10 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <utility>
+#include <vector>
+
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -15,6 +19,16 @@ class RecentTouches {
     row.touches = time - row.last <= gap ? row.touches + 1 : 1;
     row.last = time;
     return row.touches;
+  }
+  void archive(Archive& archive) {
+    std::vector<std::pair<std::uint32_t, Row>> rows(rows_.begin(), rows_.end());
+    rows.resize(archive.count(rows.size(), sizeof(std::uint32_t) + sizeof(int) + sizeof(double), "touches"));
+    for (auto& [node, row] : rows) {
+      archive.number(node);
+      archive.number(row.touches);
+      archive.number(row.last);
+    }
+    if (archive.reads()) rows_ = {rows.begin(), rows.end()};
   }
 
  private:

@@ -175,6 +175,40 @@ springnet_status Topology::perform_due_ruptures() {
   return SPRINGNET_OK;
 }
 
+void Topology::archive(Archive& archive) {
+  layers::Layout& layout = model_.layout;
+  const auto removed = [&archive](std::size_t count, const auto& is_alive, const char* what) {
+    archive.same(count, what);
+    std::vector<std::uint32_t> list;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (!is_alive(i)) list.push_back(i);
+    list.resize(archive.count(list.size(), sizeof(std::uint32_t), what));
+    for (std::uint32_t& each : list) archive.below(each, count, what);
+    return list;
+  };
+  const auto springs = removed(
+      layout.spring_count(), [&](std::uint32_t s) { return layout.alive(s); }, "springs");
+  const auto elements = removed(
+      layout.elements().count(), [&](std::uint32_t e) { return layout.elements().alive(e); }, "elements");
+  const auto faces = removed(
+      layout.loaded_faces().count(), [&](std::uint32_t f) { return layout.loaded_faces().alive(f); }, "loaded faces");
+  archive.same(cuts_.size(), "cuts");
+  for (ScheduledCut& each : cuts_) archive.flag(each.done);
+  std::vector<std::uint32_t> torn(torn_loads_.begin(), torn_loads_.end());
+  torn.resize(archive.count(torn.size(), sizeof(std::uint32_t), "torn loads"));
+  for (std::uint32_t& each : torn) archive.number(each);
+  if (!archive.reads()) return;
+  torn_loads_ = {torn.begin(), torn.end()};
+  torn_faces_ = faces.size();
+  layout.put_back_all();
+  layout.remove(springs);
+  layout.remove_elements(elements);
+  layout.remove_faces({faces.begin(), faces.end()});
+  model_.loads.faces_changed();
+  rupturing_.reset();
+  linear_.topology_changed();
+}
+
 double Topology::next_cut(double time) const noexcept {
   double next = std::numeric_limits<double>::infinity();
   for (const ScheduledCut& cut : cuts_)

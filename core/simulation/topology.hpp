@@ -45,6 +45,8 @@ class Topology {
   void perform_due_cuts();
   // Removes what has no margin left at the committed state.
   springnet_status perform_due_ruptures();
+  // What has been removed, and the cuts that were made.
+  void archive(Archive& archive);
   // Time of the scene's next cut, s; infinity if there is none.
   [[nodiscard]] double next_cut(double time) const noexcept;
 

@@ -132,6 +132,16 @@ class SPRINGNET_API Simulation {
   [[nodiscard]] std::string integrator_memory();
   // Throws Error(input) if these are not of this integrator; it then keeps nothing, as after drop_history().
   void set_integrator_memory(std::string_view memory);
+  // All that the coming steps depend on, as bytes for restore(): time, state, states of laws, inputs, contacts,
+  // friction, motions, events, notes, loads, removed springs, the integrator's memory. The integrator drops what it
+  // keeps for speed alone (drop_history()), so that this simulation and one that is restored go on with the same bits.
+  // The bytes are for the same version and machine. Throws as drop_history().
+  [[nodiscard]] std::string save();
+  // Takes up the state of a simulation of the same network with the same options, also an earlier one of this object:
+  // springs that were removed since are there again. Throws Error(input) that says what is wrong with bytes that are
+  // damaged, or of another network, law, integrator or version; this simulation then stays as it was, but for its
+  // history. Bytes from a stranger can do no more than give a wrong motion.
+  void restore(std::string_view saved);
   // Positions and velocities, columns as in positions(), at a time (s) within the integrator's last step. Empty where
   // it has none: it has no dense output, the time is another one, or an event ended the step. At time() it is the
   // present state, with changes since the step and velocities after a jump of a prescribed motion; after a change of

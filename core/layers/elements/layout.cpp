@@ -76,21 +76,35 @@ ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, c
   share_start_.assign(engine.size() + 1, 0);
   for (const std::uint32_t node : nodes_) ++share_start_[node + 1];
   for (std::size_t k = 0; k < engine.size(); ++k) share_start_[k + 1] += share_start_[k];
+  share_out();
+  make_batches();
+}
+
+void ElementLayout::share_out() {
+  const std::size_t nodes = share_start_.size() - 1;
   shares_.resize(nodes_.size());
   share_stop_.assign(share_start_.begin(), share_start_.end() - 1);
   std::uint32_t next_enclosure = 0;
-  for (std::uint32_t e = 0; e < elements.size(); ++e) {
+  for (std::uint32_t e = 0; e < count(); ++e) {
     const std::uint32_t enclosure = invariant_[e] == Invariant::enclosed_volume ? next_enclosure++ : no_enclosure;
     const std::span<const std::uint32_t> own = this->nodes(e);
     for (std::uint32_t i = 0; i < own.size(); ++i) shares_[share_stop_[own[i]]++] = {e, i, group(e), enclosure};
   }
-  for (std::size_t k = 0; k < engine.size(); ++k) {
+  for (std::size_t k = 0; k < nodes; ++k) {
     const auto order = [this](const ElementShare& s) {
       return std::tuple(s.enclosure != no_enclosure, s.group, invariant_[s.element], s.element);
     };
     std::sort(shares_.data() + share_start_[k], shares_.data() + share_stop_[k],
               [&](const ElementShare& a, const ElementShare& b) { return order(a) < order(b); });
   }
+}
+
+void ElementLayout::put_back_all() {
+  if (live_count_ == alive_.size()) return;
+  alive_.assign(alive_.size(), 1);
+  live_count_ = alive_.size();
+  live_enclosures_ = enclosures_.size();
+  share_out();
   make_batches();
 }
 

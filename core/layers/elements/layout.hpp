@@ -125,8 +125,10 @@ class ElementLayout {
 
   // Elements removed before are ignored; returns the others.
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& elements);
+  void put_back_all();
 
  private:
+  void share_out();
   void make_batches();
   void fill_batches();
   void fill_places();

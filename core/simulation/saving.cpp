@@ -1,0 +1,168 @@
+// Simulation::save() and restore(): all that the coming steps depend on, as bytes.
+//
+// The bytes are a heading, their number and checksum, whose they are (version, network, laws, integrator), and then the
+// parts of the engine, each by its function archive(). What is kept for speed alone is not among them.
+#include <springnet/simulation.hpp>
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <springnet/printable.hpp>
+#include <springnet/version.hpp>
+
+#include "simulation/implementation.hpp"
+#include "text/archive.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr std::string_view heading = "springnet state 1\n";
+
+std::uint32_t checksum(std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<z_size_t>(bytes.size())));
+}
+template <class Number>
+std::uint32_t checksum(const Number* values, std::size_t count) {
+  return checksum({reinterpret_cast<const char*>(values), count * sizeof(Number)});
+}
+
+std::string component_text(const Component& component) {
+  return fmt::format("{}@{} {}", component.description->id, component.plugin->id, component.plugin->version);
+}
+
+// What must be the same where a state is restored: name and value.
+std::vector<std::pair<std::string, std::string>> identity(const Model& model, const Component& integrator) {
+  const layers::Layout& layout = model.layout;
+  std::vector<std::pair<std::string, std::string>> result{{"version of springnet", std::string(version())},
+                                                          {"integrator", component_text(integrator)},
+                                                          {"time step", fmt::format("{} s", model.time_step)}};
+  const auto add = [&](const char* what, std::size_t count, std::uint32_t sum) {
+    result.emplace_back(what, fmt::format("{} ({:08x})", count, sum));
+  };
+  add("nodes", model.node_count(), checksum(model.mass.data(), model.mass.size()));
+  add("order of nodes", model.node_count(), checksum(layout.ordering().user.data(), layout.ordering().user.size()));
+  std::vector<std::uint32_t> springs;
+  for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
+    springs.insert(springs.end(), {layout.first(s), layout.second(s), layout.laws().group[s], layout.laws().row[s]});
+  add("springs", layout.spring_count(), checksum(springs.data(), springs.size()));
+  std::string laws;
+  for (const layers::Group& group : layout.laws().groups)
+    for (const layers::Law* law : {&group.spring, &group.viscosity})
+      laws += (laws.empty() ? "" : ", ") + (*law ? component_text(*law->component) : std::string("none"));
+  result.emplace_back("laws", laws);
+  result.emplace_back("elements", fmt::format("{}", layout.elements().count()));
+  result.emplace_back("rigid connections", fmt::format("{}", model.rigid.rods().size()));
+  result.emplace_back("planes and instruments", fmt::format("{}", model.contact.obstacles().size()));
+  return result;
+}
+
+}  // namespace
+
+void Engine::archive(Archive& archive) {
+  topology_.archive(archive);
+  model_.archive(archive);
+  ledger_.archive(archive);
+  bool any = dissipation_ != nullptr;
+  archive.flag(any);
+  if (any != (dissipation_ != nullptr))
+    Archive::refuse("one of both sums up the dissipated energy, the other one does not");
+  if (dissipation_) dissipation_->archive(archive);
+  archive.flag(energy_noted_);
+  archive.number(committed_events_);
+  if (archive.reads() && committed_events_ > model_.journal.events().size()) Archive::refuse("events are missing");
+  std::vector<std::uint64_t> left(left_behind_.begin(), left_behind_.end());
+  left.resize(archive.count(left.size(), sizeof(std::uint64_t), "notes"));
+  archive.numbers(left.data(), left.size());
+  if (archive.reads()) left_behind_ = {left.begin(), left.end()};
+}
+
+void Simulation::Impl::archive(Archive& archive) {
+  engine.archive(archive);
+  archive.number(steps);
+  archive.number(sweeps);
+  archive.number(grid_start);
+  archive.number(grid_steps);
+  archive.flag(state_is_of_step);
+  archive.below(last.outcome, 5, "an outcome");
+  for (std::uint64_t* each : {&last.steps, &last.sweeps, &last.substeps, &last.stages}) archive.number(*each);
+  for (double* each : {&last.force_difference, &last.residual, &last.position_error}) archive.number(*each);
+  archive.number(last.node);
+  archive.number(last.start_node);
+}
+
+std::string Simulation::save() {
+  Impl& impl = impl_->between_steps();
+  std::string memory = impl.integrator_memory();
+  // As in the simulation that takes up the bytes.
+  if (memory.empty())
+    impl.drop_history();
+  else
+    impl.set_integrator_memory(memory);
+  std::string bytes;
+  Archive archive(&bytes);
+  for (auto& [name, value] : identity(impl.engine.model(), *impl.component)) {
+    std::string copy = value;
+    archive.text(copy);
+  }
+  impl.archive(archive);
+  archive.text(memory);
+  std::string result(heading);
+  Archive around(&result);
+  std::uint64_t size = bytes.size();
+  std::uint32_t sum = checksum(bytes);
+  around.number(size);
+  around.number(sum);
+  return result + bytes;
+}
+
+void Simulation::restore(std::string_view saved) {
+  Impl& impl = impl_->between_steps();
+  if (!saved.starts_with(heading))
+    throw Error(ErrorKind::input, fmt::format("this is no state saved by springnet {}, which begins with '{}'",
+                                              version(), heading.substr(0, heading.size() - 1)));
+  Archive around(saved.substr(heading.size()));
+  std::uint64_t size = 0;
+  std::uint32_t sum = 0;
+  around.number(size);
+  around.number(sum);
+  const std::string_view bytes = saved.substr(heading.size() + sizeof size + sizeof sum);
+  if (size != bytes.size() || sum != checksum(bytes))
+    throw Error(ErrorKind::input,
+                fmt::format("the saved state is damaged: {}",
+                            size != bytes.size() ? fmt::format("it has {} bytes in place of {}", bytes.size(), size)
+                                                 : std::string("its checksum is another one")));
+  Archive archive(bytes);
+  for (const auto& [name, value] : identity(impl.engine.model(), *impl.component)) {
+    std::string there;
+    archive.text(there);
+    if (there != value)
+      throw Error(ErrorKind::input, fmt::format("the saved state is of another simulation: {}: {} there, {} here", name,
+                                                printable(there), printable(value)));
+  }
+  std::string before;
+  Archive keep(&before);
+  impl.archive(keep);
+  std::string memory;
+  try {
+    impl.archive(archive);
+    archive.text(memory);
+    if (archive.left() > 0) Archive::refuse("it is too long");
+  } catch (...) {
+    Archive back{std::string_view(before)};
+    impl.archive(back);
+    throw;
+  }
+  if (memory.empty())
+    impl.drop_history();
+  else
+    impl.set_integrator_memory(memory);
+}
+
+}  // namespace springnet
