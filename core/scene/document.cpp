@@ -63,7 +63,13 @@ class Override {
         const std::size_t index = element(*list, steps_.size() - 1);
         list->replace(list->begin() + static_cast<std::ptrdiff_t>(index), std::move(value));
       } else {
-        table(*place, steps_.size() - 1).insert_or_assign(steps_.back(), std::move(value));
+        toml::table& parent = table(*place, steps_.size() - 1);
+        // A parameter of a formula with its bounds keeps them.
+        toml::table* const described = parent.get_as<toml::table>(steps_.back());
+        if (!value.is_table() && described != nullptr && described->contains("value"))
+          described->insert_or_assign("value", std::move(value));
+        else
+          parent.insert_or_assign(steps_.back(), std::move(value));
       }
     });
   }

@@ -152,3 +152,10 @@ TEST_CASE("two formulas with parameters of the same names and values are two law
   CHECK(run.tension(0) == 1.0);
   CHECK(run.tension(2) == 10.0);
 }
+
+TEST_CASE("a value that is set from outside keeps the bounds of its parameter") {
+  const std::string text = chain("spring = { formula = \"k*e\", k = { value = 2, smallest = 0 } }");
+  const Scene scene = parse(text, {parse_override("body.0.spring.k=3")});
+  CHECK(scene.network.materials()[0].spring->parameters.at("k") == 3.0);
+  CHECK(springnet::testing::has_facts(refusal(text, {parse_override("body.0.spring.k=-1")}), "body.0.spring.k | 0"));
+}
