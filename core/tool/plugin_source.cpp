@@ -16,7 +16,7 @@ constexpr std::size_t line_length = 120;
 
 // `springnet plugin list` has a line for it.
 std::string shortened(std::string_view formula) {
-  constexpr std::size_t longest = 60;
+  constexpr std::size_t longest = 50;
   std::string line = in_one_line(formula);
   if (line.size() > longest) line = line.substr(0, longest) + "...";
   return line;
@@ -37,10 +37,34 @@ std::string summary_of(const LawFormula& law) {
 
 std::string list_text(const SourceList& list) {
   const std::string start = fmt::format("  static constexpr {} {}[] = {{", list.type, list.name);
-  std::size_t length = start.size();
-  for (const std::string& entry : list.entries) length += entry.size() + 2;
-  const std::string next = length <= line_length ? ", " : ",\n" + std::string(start.size(), ' ');
-  return fmt::format("{}{}}};\n", start, fmt::join(list.entries, next));
+  // As many a line as it has room for.
+  std::string text = start;
+  std::size_t column = start.size();
+  for (const std::string& entry : list.entries) {
+    const bool is_first = &entry == &list.entries.front(), fits = column + entry.size() + 2 <= line_length;
+    if (!is_first) text += fits ? " " : "\n" + std::string(start.size(), ' ');
+    column = (is_first || fits ? column : start.size()) + entry.size() + 2;
+    text += entry + (&entry == &list.entries.back() ? "" : ",");
+  }
+  return text + "};\n";
+}
+
+// Constants of one type that follow each other are one declaration: static constexpr bool a = true, b = true;
+std::string declarations_text(const std::vector<std::string>& declarations) {
+  constexpr std::string_view constant = "static constexpr bool ";
+  std::string text, line;
+  for (const std::string& each : declarations) {
+    const bool joins = line.starts_with(constant) && each.starts_with(constant) &&
+                       2 + line.size() + 1 + each.size() - constant.size() <= line_length;
+    if (joins) {
+      line.back() = ',';
+      line += " " + each.substr(constant.size());
+      continue;
+    }
+    if (!line.empty()) text += "  " + line + "\n";
+    line = each;
+  }
+  return line.empty() ? text : text + "  " + line + "\n";
 }
 
 std::string function_text(const SourceFunction& function) {
@@ -97,7 +121,7 @@ std::string law_source(const PluginProject& project, const std::string& type) {
   const std::string summary = fmt::format("*summary = \"{}\";\n", summary_of(law));
   const bool fits = start.size() + id.size() + summary.size() <= line_length;
   text += start + id + (fits ? " " : "\n" + std::string(start.size(), ' ')) + summary;
-  for (const std::string& declaration : source.declarations) text += "  " + declaration + "\n";
+  text += declarations_text(source.declarations);
   text += to_do(law, source);
   for (const SourceList& list : source.lists) text += list_text(list);
   if (!source.prepare.empty()) text += "  " + source.prepare + "\n";

@@ -5,12 +5,17 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include <springnet/events.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/simulation.hpp>
+
+#include "../tool/tool.hpp"
 
 using namespace springnet;
 
@@ -54,11 +59,59 @@ Answer at(const LawUse& use, double length, double rest, double rate = 0.0) {
   return answer;
 }
 
-using Curve = std::function<double(double)>;  // of the length
+// By length (m) and rate (m/s).
+using ClosedForm = std::function<double(double, double)>;
+const std::map<std::string, ClosedForm>& closed_forms() {
+  static const std::map<std::string, ClosedForm> forms{
+      {"fene", [](double r, double) { return 3.0 * r / (1.0 - r * r / 2.25); }},
+      {"morse",
+       [](double r, double) {
+         const double y = std::exp(-3.0 * (r - 1.0));
+         return 2.0 * 2.0 * 3.0 * y * (1.0 - y);
+       }},
+      {"worm_like_chain",
+       [](double r, double) {
+         const double x = r / 2.0;
+         return 0.5 / 0.1 * (0.25 / ((1.0 - x) * (1.0 - x)) - 0.25 + x);
+       }},
+      {"mooney_rivlin",
+       [](double r, double) {
+         const double l = r / 0.5;
+         return 2e-4 * (2e5 + 5e4 / l) * (l - 1.0 / (l * l));
+       }},
+      {"gent",
+       [](double r, double) {
+         const double l = r / 0.5, i = l * l + 2.0 / l - 3.0;
+         return 1e-4 * 4e5 * 20.0 / (20.0 - i) * (l - 1.0 / (l * l));
+       }},
+      {"tendon",
+       [](double r, double) {
+         const double x = (r - 0.1) / 0.1;
+         if (x < 0.0) return 0.0;
+         if (x < 0.04) return 30.0 * (std::exp(60.0 * x) - 1.0);
+         return 30.0 * (std::exp(2.4) - 1.0) + 1800.0 * std::exp(2.4) * (x - 0.04);
+       }},
+      {"lennard_jones",
+       [](double r, double) {
+         return -(48.0 * std::pow(0.5, 12.0) / std::pow(r, 13.0) - 24.0 * std::pow(0.5, 6.0) / std::pow(r, 7.0));
+       }},
+      {"hertz",
+       [](double r, double) {
+         const double d = 0.2 - r;
+         return d > 0.0 ? -4.0 / 3.0 * 1e5 * std::sqrt(0.05) * d * std::sqrt(d) : 0.0;
+       }},
+      {"bingham",
+       [](double, double rate) {
+         return (rate < 0.0 ? -1.0 : 1.0) * 2.0 * (1.0 - std::exp(-std::abs(rate) / 0.01)) + 0.5 * rate;
+       }},
+      {"carreau", [](double, double rate) { return rate * (0.1 + 1.9 * std::pow(1.0 + rate * rate / 0.04, -0.3)); }}};
+  return forms;
+}
 
 // Compares from one length to another; energies with the integral of the force by Gauss' rule between each two.
-void check(const std::string& name, double rest, double from, double to, const Curve& force) {
+void check(const std::string& name, double rest, double from, double to) {
   CAPTURE(name);
+  const auto force = [&](double length) { return closed_forms().at(name)(length, 0.0); };
   const Scene scene = example(name);
   CHECK(scene.network.springs()[0].rest_length == doctest::Approx(rest).epsilon(1e-15));
   const LawUse& law = *scene.network.materials()[scene.network.springs()[0].material].spring;
@@ -88,52 +141,27 @@ void check(const std::string& name, double rest, double from, double to, const C
 }  // namespace
 
 TEST_CASE("laws of the literature as formulas: forces by closed forms, energies by their integrals") {
-  check("fene", 0.5, 0.05, 1.45, [](double r) { return 3.0 * r / (1.0 - r * r / 2.25); });
-  check("morse", 1.0, 0.5, 1.9, [](double r) {
-    const double y = std::exp(-3.0 * (r - 1.0));
-    return 2.0 * 2.0 * 3.0 * y * (1.0 - y);
-  });
-  check("worm_like_chain", 0.2, 0.05, 1.9, [](double r) {
-    const double x = r / 2.0;
-    return 0.5 / 0.1 * (0.25 / ((1.0 - x) * (1.0 - x)) - 0.25 + x);
-  });
-  check("mooney_rivlin", 0.5, 0.3, 1.5, [](double r) {
-    const double l = r / 0.5;
-    return 2e-4 * (2e5 + 5e4 / l) * (l - 1.0 / (l * l));
-  });
-  check("gent", 0.5, 0.3, 2.0, [](double r) {
-    const double l = r / 0.5, i = l * l + 2.0 / l - 3.0;
-    return 1e-4 * 4e5 * 20.0 / (20.0 - i) * (l - 1.0 / (l * l));
-  });
-  check("tendon", 0.1, 0.095, 0.108, [](double r) {
-    const double x = (r - 0.1) / 0.1;
-    if (x < 0.0) return 0.0;
-    if (x < 0.04) return 30.0 * (std::exp(60.0 * x) - 1.0);
-    return 30.0 * (std::exp(2.4) - 1.0) + 1800.0 * std::exp(2.4) * (x - 0.04);
-  });
-  check("lennard_jones", 0.6, 0.48, 1.2, [](double r) {
-    return -(48.0 * std::pow(0.5, 12.0) / std::pow(r, 13.0) - 24.0 * std::pow(0.5, 6.0) / std::pow(r, 7.0));
-  });
-  check("hertz", 0.2, 0.19, 0.21, [](double r) {
-    const double d = 0.2 - r;
-    return d > 0.0 ? -4.0 / 3.0 * 1e5 * std::sqrt(0.05) * d * std::sqrt(d) : 0.0;
-  });
+  check("fene", 0.5, 0.05, 1.45);
+  check("morse", 1.0, 0.5, 1.9);
+  check("worm_like_chain", 0.2, 0.05, 1.9);
+  check("mooney_rivlin", 0.5, 0.3, 1.5);
+  check("gent", 0.5, 0.3, 2.0);
+  check("tendon", 0.1, 0.095, 0.108);
+  check("lennard_jones", 0.6, 0.48, 1.2);
+  check("hertz", 0.2, 0.19, 0.21);
 }
 
 TEST_CASE("dampers of the literature as formulas") {
-  const auto viscosity = [](const std::string& name) {
+  for (const char* name : {"bingham", "carreau"}) {
+    CAPTURE(name);
     const Scene scene = example(name);
-    return *scene.network.materials()[scene.network.springs()[0].material].viscosity;
-  };
-  const LawUse bingham = viscosity("bingham"), carreau = viscosity("carreau");
-  for (const double rate : {-3.0, -0.3, -0.01, -1e-4, 0.0, 1e-4, 0.02, 0.4, 5.0}) {
-    CAPTURE(rate);
-    const double side = rate < 0.0 ? -1.0 : 1.0;
-    CHECK(at(bingham, 1.1, 1.0, rate).force ==
-          doctest::Approx(side * 2.0 * (1.0 - std::exp(-std::abs(rate) / 0.01)) + 0.5 * rate).epsilon(1e-12));
-    CHECK(at(carreau, 1.1, 1.0, rate).force ==
-          doctest::Approx(rate * (0.1 + 1.9 * std::pow(1.0 + rate * rate / 0.04, -0.3))).epsilon(1e-13));
-    CHECK(at(bingham, 1.1, 1.0, rate).force * rate >= 0.0);
+    const LawUse& law = *scene.network.materials()[scene.network.springs()[0].material].viscosity;
+    for (const double rate : {-3.0, -0.3, -0.01, -1e-4, 0.0, 1e-4, 0.02, 0.4, 5.0}) {
+      CAPTURE(rate);
+      const double force = at(law, 1.1, 1.0, rate).force;
+      CHECK(force == doctest::Approx(closed_forms().at(name)(1.1, rate)).epsilon(1e-12));
+      CHECK(force * rate >= 0.0);
+    }
   }
 }
 
@@ -142,10 +170,33 @@ TEST_CASE("Morse's bond breaks at twice its length, in the run too") {
   const LawUse& law = *scene.network.materials()[0].spring;
   CHECK(at(law, 1.0, 1.0).margin == 1.0);
   CHECK(at(law, 2.0, 1.0).margin == 0.0);
+
+  std::ifstream file(std::filesystem::path(EXAMPLES) / "laws/morse.toml");
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::size_t farthest = text.find("[1, 0.9,");
+  REQUIRE(farthest != std::string::npos);
+  for (const bool breaks : {false, true}) {
+    CAPTURE(breaks);
+    text.replace(farthest, 8, breaks ? "[1, 1.2," : "[1, 0.9,");
+    const Scene run = parse_scene(text, "morse", plugins());
+    const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+    Simulation simulation(run.network, host, run.options);
+    double longest = 0.0;
+    while (simulation.time() < 1.0 - 1e-9) {
+      simulation.step();
+      if (count_events(simulation).ruptured == 0)
+        longest = (simulation.positions().col(1) - simulation.positions().col(0)).norm();
+    }
+    CHECK(count_events(simulation).ruptured == (breaks ? 1 : 0));
+    if (!breaks) continue;
+    CHECK(simulation.tension(0) == 0.0);
+    CHECK(longest < 2.0);
+    CHECK(longest > 2.0 - 1.5 * 1.2 * run.options.time_step);  // the step before it
+  }
 }
 
-TEST_CASE("every scene of examples/laws runs, and its tension is that of the law at the ends") {
-  std::size_t count = 0;
+TEST_CASE("every scene of examples/laws runs, with the tension of the closed form at the place of its ends") {
+  std::size_t count = 0, compared = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(EXAMPLES) / "laws")) {
     if (entry.path().extension() != ".toml") continue;
     ++count;
@@ -153,8 +204,50 @@ TEST_CASE("every scene of examples/laws runs, and its tension is that of the law
     const Scene scene = load_scene(entry.path(), plugins());
     const auto host = std::make_shared<PluginHost>(PluginHost::with_default_search());
     Simulation simulation(scene.network, host, scene.options);
-    while (simulation.time() < scene.duration - 0.5 * scene.options.time_step) simulation.step();
+    const auto law = closed_forms().find(entry.path().stem().string());
+    double largest = 0.0, shortest = INFINITY, longest = 0.0;
+    while (simulation.time() < scene.duration - 0.5 * scene.options.time_step) {
+      simulation.step();
+      if (law == closed_forms().end()) continue;
+      const Vector3 between = simulation.positions().col(1) - simulation.positions().col(0);
+      const double length = between.norm();
+      const double rate = between.dot(simulation.velocities().col(1) - simulation.velocities().col(0)) / length;
+      const double wanted = law->second(length, rate), own = simulation.tension(0);
+      CAPTURE(simulation.time());
+      CHECK(std::abs(own - wanted) <= 1e-11 * std::max(1.0, std::abs(wanted)));
+      largest = std::max(largest, std::abs(own));
+      shortest = std::min(shortest, length);
+      longest = std::max(longest, length);
+    }
     CHECK(simulation.positions().allFinite());
+    if (law == closed_forms().end()) continue;
+    ++compared;
+    CHECK(largest > 0.0);
+    CHECK(longest > 1.05 * shortest);  // it moves
+  }
+  CHECK(count >= 11);
+  CHECK(compared == closed_forms().size());
+}
+
+TEST_CASE("every law of examples/laws is drawn as its page says") {
+  const testing::TemporaryFolder folder;
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(EXAMPLES) / "laws")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++count;
+    CAPTURE(entry.path().filename().string());
+    REQUIRE(testing::springnet(folder, "plugin show '" + entry.path().string() + "' --plot law.svg").status == 0);
+    const std::string figure = testing::read_text(folder.path() / "law.svg");
+    CHECK(figure.starts_with("<svg"));
+    CHECK(figure.find("</svg>") != std::string::npos);
+    CHECK(figure.find("function by a formula") != std::string::npos);  // the law's name in its title
+    std::size_t lines = 0;
+    for (std::size_t at = figure.find(" d=\""); at != std::string::npos; at = figure.find(" d=\"", at + 1)) {
+      const std::string path = figure.substr(at + 4, figure.find('"', at + 4) - at - 4);
+      CHECK(path.find_first_not_of("MLHVZz0123456789.,- ") == std::string::npos);  // finite
+      ++lines;
+    }
+    CHECK(lines > 0);
   }
   CHECK(count >= 11);
 }

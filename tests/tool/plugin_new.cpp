@@ -1,6 +1,8 @@
 // Plugins to start from: what is written, and what is refused. tests/package/check_plugin_new builds and runs them.
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
+#include <string>
 
 #include <doctest/doctest.h>
 
@@ -168,6 +170,29 @@ TEST_CASE("a law too stiff for all settings of the scene does not hold up its pr
   CHECK(has(answer.out, "The test will fail until stiff.toml has values"));
 }
 
+TEST_CASE("units of --set are those of springs, of which the scene is") {
+  const TemporaryFolder folder;
+  const Answer answer = testing::springnet(folder, "plugin new law --kind spring --formula 'k*e' --set k='2 N m'");
+  CHECK(answer.status == 2);
+  CHECK(has(answer.err, "must be in N;"));
+  CHECK(testing::springnet(folder, "plugin new law --kind spring --formula 'k*(angle - 2)' --set k='2 N m'").status ==
+        0);
+}
+
+TEST_CASE("parameters share lines, and so do constants of one type") {
+  const TemporaryFolder folder;
+  REQUIRE(
+      testing::springnet(
+          folder, "plugin new long --kind spring --formula 'a*e + b*e^2 + c/e + d*rest + f*length + g*time + h*j*k*i'")
+          .status == 0);
+  const std::string source = testing::read_text(folder.path() / "long/long.cpp");
+  CAPTURE(source);
+  CHECK(lines_of(source) <= 23);
+  CHECK(has(source, "static constexpr bool reads_time = true, not_zero_at_rest = true;\n"));
+  std::istringstream lines(source);
+  for (std::string line; std::getline(lines, line);) CHECK(line.size() <= 120);
+}
+
 TEST_CASE("options give all of a law") {
   const TemporaryFolder folder;
   REQUIRE(testing::springnet(folder,
@@ -188,6 +213,12 @@ TEST_CASE("options give all of a law") {
               .status == 0);
   CHECK(has(testing::read_text(folder.path() / "skin/skin.cpp"), "Scalar invariants[] = {area_of(0, 1, 2)};"));
   CHECK(has(testing::read_text(folder.path() / "skin/skin.toml"), "invariant = \"triangle\""));
+  REQUIRE(testing::springnet(folder,
+                             "plugin new joint --kind spring --energy 'k*(a - rest(a))^2' --scalar 'a = "
+                             "angle(0, 1, 2)'")
+              .status == 0);
+  CHECK(has(testing::read_text(folder.path() / "joint/joint.cpp"), "Shape shape = Shape::chain;"));
+  CHECK(has(testing::read_text(folder.path() / "joint/joint.toml"), "invariant = \"chain\""));
 }
 
 TEST_CASE("a formula of a scene becomes a plugin with what it declares") {
