@@ -1,5 +1,6 @@
 // call, arrays, rest: whether a law can be called at all, and whether it is at rest where it says so.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -7,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "check/child.hpp"
+#include "check/instruction_sets.hpp"
 #include "check/law_checks.hpp"
+#include "check/sharing.hpp"
 
 namespace springnet::check {
 namespace {
@@ -46,24 +49,40 @@ Outcome check_call(const LawSubject& subject) {
 Outcome check_arrays(const LawSubject& subject) {
   ReadyLaw ready(subject);
   const LawCall& call = ready.call();
-  const std::vector<Point> points = ready.points().several(19);
+  // The greatest is more than a host has at a time.
+  constexpr std::array<std::size_t, 7> counts{1, 3, 8, 19, 33, 67, 449};
+  const std::vector<Point> points = ready.points().several(counts.back());
   const bool has_states = call.layout().states > 0;
+  std::vector<std::uint64_t> sharings{share_nothing, share_all};
+  for (const std::uint64_t mixed : mixed_sharings(call))
+    if (sharings.size() < 4) sharings.push_back(mixed);
+  std::size_t turn = 0;
   for (const Memory::Layout layout : {Memory::Layout::at_end, Memory::Layout::at_start}) {
-    for (const std::size_t count : {1u, 3u, 8u, 19u}) {
-      std::vector<Point> some(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
-      for (const bool share : {false, true}) {
-        if (share)  // one value for all elements
-          for (Point& point : some)
-            for (std::size_t c = call.layout().parameter(0); c < call.layout().time(); ++c) point[c] = points[0][c];
-        for (const double step : {0.0, 1e-3}) {
-          if (step > 0.0 && !has_states) continue;
-          now_doing(fmt::format("{} {} elements", step > 0.0 ? "updating" : "evaluating", count).c_str());
-          How how{.derivatives = true, .share = share, .time_step = step, .layout = layout};
-          const Answer answer = call(some, how);
-          // A step without a solution is the matter of another check.
-          if (answer.status == SPRINGNET_FAILED) return {Result::failed, answer.message};
-          how.derivatives = false;
-          static_cast<void>(call(some, how));
+    for (const InstructionSetName& set : instruction_sets()) {
+      for (const std::size_t count : counts) {
+        // All of a few, and of larger counts each in its turn: they are slow.
+        const std::size_t tried = count <= 8 ? sharings.size() : 1;
+        for (std::size_t k = 0; k < tried; ++k) {
+          const std::uint64_t shared = sharings[turn++ % sharings.size()];
+          const std::vector<Point> some =
+              with_shared(call, {points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count)}, shared);
+          for (const double step : {0.0, 1e-3}) {
+            if (step > 0.0 && !has_states) continue;
+            now_doing(fmt::format("{} {} elements with the instruction set {}", step > 0.0 ? "updating" : "evaluating",
+                                  count, set.name)
+                          .c_str());
+            How how{.instruction_set = set.number,
+                    .derivatives = true,
+                    .shared = shared,
+                    .time_step = step,
+                    .layout = layout};
+            const Answer answer = call(some, how);
+            // A step without a solution is the matter of another check, and elements of a scene may be mixed here.
+            if (answer.status == SPRINGNET_FAILED && (subject.scene == nullptr || shared == share_nothing))
+              return {Result::failed, answer.message};
+            how.derivatives = false;
+            static_cast<void>(call(some, how));
+          }
         }
       }
     }

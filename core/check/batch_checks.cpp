@@ -10,6 +10,7 @@
 #include "check/child.hpp"
 #include "check/instruction_sets.hpp"
 #include "check/law_checks.hpp"
+#include "check/sharing.hpp"
 
 namespace springnet::check {
 namespace {
@@ -34,16 +35,86 @@ std::string check_calls(const LawCall& call, const std::vector<Point>& points, H
   for (const InstructionSetName& set : instruction_sets()) {
     for (const std::size_t size : {points.size(), std::size_t{1}, std::size_t{5}, std::size_t{8}, std::size_t{33}}) {
       for (const std::size_t offset : {0u, 1u, 3u}) {
-        for (const bool share : {false, true}) {
+        for (const std::uint64_t shared : {share_nothing, share_all}) {
           how.instruction_set = set.number;
           how.offset = offset;
-          how.share = share;
+          how.shared = shared;
           const std::string text = compare_parts(call, points, whole, size, how);
           if (text.empty()) continue;
           return fmt::format("{} with the instruction set {}, {} elements at a time{}{}: {}", what, set.name, size,
-                             share ? ", strides of 0" : "", offset > 0 ? ", other alignment" : "", text);
+                             shared == share_all ? ", strides of 0" : "", offset > 0 ? ", other alignment" : "", text);
         }
       }
+    }
+  }
+  return {};
+}
+
+// Some references, parameters and inputs are shared, and the others not.
+std::string check_sharings(const LawCall& call, const std::vector<Point>& points, How how, const char* what) {
+  for (const std::uint64_t shared : mixed_sharings(call)) {
+    const std::vector<Point> mixed = with_shared(call, points, shared);
+    how.shared = share_nothing;
+    how.instruction_set = SPRINGNET_GENERIC;
+    const Answer whole = call(mixed, how);
+    if (whole.status != SPRINGNET_OK) continue;  // parameters that do not go together
+    how.shared = shared;
+    for (const InstructionSetName& set : instruction_sets()) {
+      how.instruction_set = set.number;
+      const std::string text = difference(call, whole, call(mixed, how), 0, how.time_step > 0.0);
+      if (!text.empty())
+        return fmt::format("{} with the instruction set {}, {}: {}", what, set.name, told_sharing(call, shared), text);
+    }
+  }
+  return {};
+}
+
+// Each output alone, and those without derivatives.
+std::string check_outputs(const LawCall& call, const std::vector<Point>& points, How how, const char* what) {
+  how.derivatives = true;
+  const Answer whole = call(points, how);
+  if (whole.status != SPRINGNET_OK) return {};
+  for (const InstructionSetName& set : instruction_sets()) {
+    how.instruction_set = set.number;
+    how.derivatives = false;
+    how.only.reset();
+    std::string text = difference(call, whole, call(points, how), 0, how.time_step > 0.0);
+    if (!text.empty())
+      return fmt::format("{} with the instruction set {}, with derivatives and without: {}", what, set.name, text);
+    how.derivatives = true;
+    for (std::size_t output = 0; output < whole.outputs; ++output) {
+      how.only = output;
+      text = difference(call, whole, call(points, how), 0, how.time_step > 0.0);
+      if (!text.empty())
+        return fmt::format("{} with the instruction set {}, asked for together with all others and alone: {}", what,
+                           set.name, text);
+    }
+  }
+  return {};
+}
+
+// Every count up to that of some elements, and large ones up to more than a host has at a time.
+std::string check_counts(const LawCall& call, const std::vector<Point>& points, How how, const char* what) {
+  constexpr std::size_t every = 67, one_by_one = 5;
+  const auto first = [&](std::size_t count) {
+    return std::vector<Point>(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  std::vector<std::size_t> counts(every);
+  std::iota(counts.begin(), counts.end(), std::size_t{1});
+  for (const std::size_t count : {96u, 128u, 200u, 256u, 333u, 448u, 449u}) counts.push_back(count);
+  for (const InstructionSetName& set : instruction_sets()) {
+    how.instruction_set = set.number;
+    const Answer whole = call(points, how);
+    if (whole.status != SPRINGNET_OK) return {};
+    std::string text = compare_parts(call, points, whole, one_by_one, how);
+    if (!text.empty())
+      return fmt::format("{} with the instruction set {}, {} and {} elements at a time: {}", what, set.name,
+                         points.size(), one_by_one, text);
+    for (const std::size_t count : counts) {
+      text = difference(call, whole, call(first(count), how), 0, how.time_step > 0.0);
+      if (!text.empty())
+        return fmt::format("{} with the instruction set {}, {} and {} elements at a time: {}", what, set.name,
+                           points.size(), count, text);
     }
   }
   return {};
@@ -92,7 +163,7 @@ double cost(const LawSubject& subject) {
   const InstructionSetName best = instruction_sets().back();
   double fastest = 1e300;
   for (int k = 0; k < 5; ++k)
-    fastest = std::min(fastest, call.time_of(points, {.instruction_set = best.number, .share = true}, 2000));
+    fastest = std::min(fastest, call.time_of(points, {.instruction_set = best.number, .shared = share_all}, 2000));
   return fastest / static_cast<double>(count) * 1e9;
 }
 
@@ -102,25 +173,31 @@ Outcome check_batches(const LawSubject& subject) {
   ReadyLaw ready(subject);
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
-  std::vector<Point> own = ready.points().several(67);
+  std::vector<Point> many = ready.points().several(450);
   // Elements of one batch have one time.
-  for (Point& point : own) point[l.time()] = own[0][l.time()];
-  std::vector<Point> shared = own;
-  for (Point& point : shared)
-    for (std::size_t c = l.parameter(0); c < l.time(); ++c)
-      if (c < l.state(0) || c >= l.input(0)) point[c] = own[0][c];
-  for (Point& point : shared)
-    for (std::size_t i = 0; i < l.inputs; ++i) point[l.start_input(i)] = own[0][l.start_input(i)];
-  for (const auto* points : {&own, &shared}) {
-    now_doing("evaluating batches of several sizes");
-    std::string text = check_calls(call, *points, {}, "an evaluation");
-    if (text.empty()) text = check_calls(call, *points, {.derivatives = true}, "an evaluation");
-    if (text.empty() && l.states > 0) {
-      now_doing("updating batches of several sizes");
-      text = check_calls(call, *points, {.time_step = 0.01, .order = call.law().update_order}, "an update");
-    }
+  for (Point& point : many) point[l.time()] = many[0][l.time()];
+  const std::vector<Point> own(many.begin(), many.begin() + 67), few(many.begin(), many.begin() + 19);
+  const std::vector<Point> shared = with_shared(call, own, share_all);
+  struct Call {
+    How how;
+    const char* what;
+  };
+  std::vector<Call> calls{{{}, "an evaluation"}, {{.derivatives = true}, "an evaluation"}};
+  if (l.states > 0) calls.push_back({{.time_step = 0.01, .order = call.law().update_order}, "an update"});
+  for (const auto& [how, what] : calls) {
+    const bool of_update = how.time_step > 0.0;
+    now_doing(of_update ? "updating batches of several sizes" : "evaluating batches of several sizes");
+    std::string text = check_calls(call, own, how, what);
+    if (text.empty()) text = check_calls(call, shared, how, what);
+    if (text.empty()) text = check_counts(call, many, how, what);
+    now_doing(of_update ? "updating with some strides of 0" : "evaluating with some strides of 0");
+    if (text.empty()) text = check_sharings(call, own, how, what);
     if (!text.empty())
       return {Result::failed, text + ": an element's answers must depend on its own inputs alone, bit by bit"};
+    now_doing(of_update ? "updating with one output alone" : "evaluating one output alone");
+    text = check_outputs(call, few, how, what);
+    if (!text.empty())
+      return {Result::failed, text + ": an output must not depend on which others are asked for, bit by bit"};
   }
   if (call.has(SPRINGNET_CALLING_THREAD_ONLY)) return {Result::passed, "called from one thread alone, as declared"};
   now_doing("evaluating from several threads at a time");

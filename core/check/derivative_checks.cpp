@@ -139,6 +139,30 @@ std::string wrong_derivative(ReadyLaw& ready, const Point& point, const How& how
   return {};
 }
 
+// "the energy depends on the rate …" if it is not that of the element at rest in time.
+std::string energy_by_rate(const LawCall& call, const Point& point) {
+  const sdk::JacobianLayout& l = call.layout();
+  constexpr double tolerance = 1e-9;  // of what is added up: the energy, and the work over a tenth of the element
+  std::vector<Point> points(3, point);
+  for (std::size_t i = 0; i < l.invariants; ++i) {
+    points[0][l.rate(i)] = 0.0;
+    points[2][l.rate(i)] *= -1.0;
+  }
+  const Answer answer = call(points);
+  if (answer.status != SPRINGNET_OK) return {};
+  const std::vector<double>& energy = answer.rows[l.energy()];
+  double scale = std::abs(energy[0]);
+  for (std::size_t i = 0; i < l.invariants; ++i)
+    if (call.reads_value(i)) scale += std::abs(answer.rows[i][0] * 0.1 * point[l.value(i)]);
+  for (const std::size_t moving : {1u, 2u})
+    if (std::abs(energy[moving] - energy[0]) > tolerance * scale)
+      return fmt::format(
+          "the energy depends on the rate: it is {:.9g} J without one, and {:.9g} J {}: what a rate adds "
+          "is no potential, leave it out",
+          energy[0], energy[moving], place(call, points[moving]));
+  return {};
+}
+
 }  // namespace
 
 Outcome check_energy(const LawSubject& subject) {
@@ -148,6 +172,8 @@ Outcome check_energy(const LawSubject& subject) {
   if (!call.has(SPRINGNET_HAS_ENERGY)) return {Result::passed, "has no energy"};
   Count count;
   for (Point point : ready.points().several(60)) {
+    if (const std::string wrong = call.reads_rate() ? energy_by_rate(call, point) : ""; !wrong.empty())
+      return {Result::failed, wrong};
     // At rest in time: what the rate adds has no potential.
     for (std::size_t i = 0; i < l.invariants; ++i) point[l.rate(i)] = 0.0;
     for (std::size_t i = 0; i < l.invariants; ++i) {

@@ -58,6 +58,15 @@ bool LawCall::reads(std::size_t column, bool of_update) const noexcept {
   return column < l.columns(true);
 }
 
+std::uint64_t LawCall::sharing_bit(std::size_t column) const noexcept {
+  const sdk::JacobianLayout& l = layout_;
+  // The reference, the parameters, the inputs; the states are between the last two.
+  const std::size_t place = column < l.parameter(0) ? 0
+                            : column < l.state(0)   ? 1 + column - l.parameter(0)
+                                                    : 1 + l.parameters + column - l.input(0);
+  return std::uint64_t{1} << (place % 64);
+}
+
 std::string LawCall::row_name(std::size_t row) const {
   const sdk::JacobianLayout& l = layout_;
   if (row < l.invariants) return several() ? fmt::format("force {}", row) : "force";
@@ -96,8 +105,9 @@ void LawCall::set_inputs(const std::vector<Point>& points, const How& how, Memor
     return memory.input(values, name);
   };
   const auto is_shared = [&](std::size_t column) {
-    return how.share && std::all_of(points.begin(), points.end(),
-                                    [&](const Point& p) { return same_bits(p[column], points.front()[column]); });
+    return (how.shared & sharing_bit(column)) != 0 && std::all_of(points.begin(), points.end(), [&](const Point& p) {
+             return same_bits(p[column], points.front()[column]);
+           });
   };
   // A list of arrays, with its strides if it has any.
   const auto list = [&](std::size_t first, std::size_t count, bool may_share, const std::string& name,
@@ -167,9 +177,16 @@ Answer LawCall::operator()(const std::vector<Point>& points, const How& how) con
   // Where answers are: [row], [cell].
   std::vector<double*> rows(l.rows(), nullptr), matrix(l.rows() * l.columns(of_update), nullptr),
       named(l.rows() * l.columns(of_update), nullptr);
-  const auto output = [&](const std::string& name) { return memory.output(count, name, not_written); };
+  std::size_t outputs = 0;
+  const auto output = [&](const std::string& name) -> double* {
+    const bool is_wanted = !how.only || *how.only == outputs;
+    ++outputs;
+    return is_wanted ? memory.output(count, name, not_written) : nullptr;
+  };
+  // Null if none of its arrays is wanted.
   const auto output_list = [&](const std::vector<double*>& arrays, const std::string& name) -> double* const* {
-    return memory.input(arrays, name);
+    const bool is_empty = std::all_of(arrays.begin(), arrays.end(), [](const double* each) { return each == nullptr; });
+    return is_empty ? nullptr : memory.input(arrays, name);
   };
   for (std::size_t row = 0; row < l.rows(); ++row)
     if (has_row(row)) rows[row] = output(row_name(row));
@@ -242,6 +259,7 @@ Answer LawCall::operator()(const std::vector<Point>& points, const How& how) con
 
   Answer answer;
   answer.count = count;
+  answer.outputs = outputs;
   answer.status = of_update ? law_.update(law_.context, given_update) : law_.evaluate(law_.context, given);
   if (answer.status != SPRINGNET_OK) {
     answer.message = reason(*message, answer.status);

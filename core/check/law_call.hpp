@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,15 +16,20 @@ namespace springnet::check {
 // All that an element's law reads: a number for each column of sdk::JacobianLayout, those of the start of a step too.
 using Point = std::vector<double>;
 
+// Which of the references, parameters and inputs that are equal in all elements have the stride 0: a bit for each, see
+// LawCall::sharing_bit. The others have an array with a number for each element.
+inline constexpr std::uint64_t share_nothing = 0, share_all = ~std::uint64_t{0};
+
 // How a law is called.
 struct How {
   std::uint32_t instruction_set = SPRINGNET_GENERIC;
   bool derivatives = false;  // all that the law declares
-  bool share = false;        // parameters, inputs and references that are equal in all elements have the stride 0
-  double time_step = 0.0;    // s; above 0: a step of the states
-  std::uint32_t order = 1;   // of that step
+  std::uint64_t shared = share_nothing;
+  double time_step = 0.0;   // s; above 0: a step of the states
+  std::uint32_t order = 1;  // of that step
   Memory::Layout layout = Memory::Layout::roomy;
-  std::size_t offset = 0;  // numbers by which arrays are off a multiple of 64 bytes
+  std::size_t offset = 0;             // numbers by which arrays are off a multiple of 64 bytes
+  std::optional<std::size_t> only{};  // this output alone, of Answer::outputs; the others are null
 };
 
 // Answers for `count` elements. A cell is a row of the matrix of derivatives and one of its columns.
@@ -31,6 +37,7 @@ struct Answer {
   springnet_status status = SPRINGNET_OK;
   std::string message;
   std::size_t count = 0;
+  std::size_t outputs = 0;                  // that there are, whether asked for or not
   std::vector<std::vector<double>> rows;    // [row][count]: forces, energy, margin, rates (or next states); or empty
   std::vector<std::vector<double>> matrix;  // [cell][count], of `derivatives`; or empty
   std::vector<std::vector<double>> named;   // the same of force_by_q and so on
@@ -59,6 +66,8 @@ class LawCall {
   [[nodiscard]] std::size_t cell(std::size_t row, std::size_t column, bool of_update) const noexcept {
     return row * layout_.columns(of_update) + column;
   }
+  // Of a reference, parameter or input in How::shared. Beyond 64 of them several have the same.
+  [[nodiscard]] std::uint64_t sharing_bit(std::size_t column) const noexcept;
 
   // Does not throw if the law fails: its status is part of the answer.
   [[nodiscard]] Answer operator()(const std::vector<Point>& points, const How& how = {}) const;

@@ -51,11 +51,13 @@ std::optional<Pole> find_pole(const Curve& curve, const std::vector<double>& gri
     if (!std::isfinite(values[first]) || !std::isfinite(values[last])) continue;
     const Peak peak = narrow(curve, grid[first], grid[last]);
     if (!(peak.size > growth * outside)) continue;
-    const double off = aside * (grid[last] - grid[first]);
-    const std::vector<double> sides = curve({peak.at - off, peak.at + off});
-    if (sides.size() != 2 || !std::isfinite(sides[0]) || !std::isfinite(sides[1])) continue;
-    // From both sides: at the end of a peak, or at a jump, only one would be large.
-    if (std::min(std::abs(sides[0]), std::abs(sides[1])) > 10.0 * outside) return Pole{peak.at, sides[0], sides[1]};
+    const double off = aside * (grid[last] - grid[first]), further = std::sqrt(aside) * (grid[last] - grid[first]);
+    const std::vector<double> sides = curve({peak.at - further, peak.at - off, peak.at + off, peak.at + further});
+    if (sides.size() != 4 || !std::isfinite(sides[1]) || !std::isfinite(sides[2])) continue;
+    // From both sides: at the end of a peak, or at a jump, only one would be large. And towards it: else it is noise.
+    const double below = std::abs(sides[1]), above = std::abs(sides[2]);
+    const bool grows = size_of(sides[0]) < below && size_of(sides[3]) < above && std::max(below, above) < peak.size;
+    if (grows && std::min(below, above) > 10.0 * outside) return Pole{peak.at, sides[1], sides[2]};
   }
   return {};
 }

@@ -176,6 +176,27 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
 #ifdef MISTAKE_READS_PARAMETER_BEYOND
     force += 0.0 * *(const volatile double*)b->parameters[parameter_count];
 #endif
+#ifdef MISTAKE_STRIDE
+    force = k * e + b->parameters[damping][i * b->parameter_strides[stiffness]] * b->rate[i];
+#endif
+#ifdef MISTAKE_MIXED_STRIDES
+    if (b->parameter_strides[stiffness] == 1 && b->parameter_strides[damping] == 0) force *= 1.5;
+#endif
+#ifdef MISTAKE_SECOND_HALF
+    if (b->count >= 100 && i >= b->count / 2) force *= 1.5;
+#endif
+#ifdef MISTAKE_ENERGY_ALONE
+    if (!b->force) energy *= 2.0;
+#endif
+#ifdef MISTAKE_MARGIN_ALONE
+    if (!b->force) margin_slope = 0.5;
+#endif
+#ifdef MISTAKE_ENERGY_OF_RATE
+    energy += 0.01 * b->rate[i] * b->rate[i];
+#endif
+#ifdef MISTAKE_NOISE
+    force += 1e-12 * (rand() % 2);
+#endif
 #ifdef MISTAKE_MARGIN
     margin_slope = 0.0;
 #endif
@@ -201,6 +222,12 @@ static springnet_status evaluate(void* context, const springnet_law_batch* b) {
 #endif
 #ifdef MISTAKE_READS_BEFORE
   if (b->force) b->force[0] += 0.0 * *(const volatile double*)(b->q - 1);
+#endif
+#ifdef MISTAKE_AVX2_BEYOND
+  if (b->instruction_set == SPRINGNET_AVX2 && b->force) b->force[b->count] = 0.0;
+#endif
+#ifdef MISTAKE_LARGE_BEYOND
+  if (b->count > 20 && b->force) b->force[b->count] = 0.0;
 #endif
 #ifdef MISTAKE_WRITES_BEYOND
   if (b->force) b->force[b->count] = 0.0;

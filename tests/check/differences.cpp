@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "check/differences.hpp"
@@ -116,4 +117,10 @@ TEST_CASE("poles are found, and steep places are none") {
   CHECK_FALSE(pole_of([](double x) { return x < 1.5 ? 1.0 : -1.0; }));
   CHECK_FALSE(pole_of([](double x) { return std::exp(-1e4 * (x - 0.605) * (x - 0.605)); }));
   CHECK_FALSE(pole_of([](double x) { return 1.0 / x; }));  // at the end of the grid
+  // Noise on nothing.
+  std::mt19937_64 random(5);
+  for (int k = 0; k < 20; ++k) {
+    CHECK_FALSE(pole_of([&](double) { return random() % 64 == 0 ? 1e-12 : 0.0; }));
+    CHECK_FALSE(pole_of([&](double) { return random() % 2 == 0 ? 1e-12 : 0.0; }));
+  }
 }

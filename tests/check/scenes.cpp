@@ -191,3 +191,25 @@ TEST_CASE("zero rest lengths, unused materials, and many springs are no trouble"
   CHECK(report.passed());
   CHECK(report.findings.size() == 14);
 }
+
+TEST_CASE("laws that vary faster than the net do not fail `order`, though coarse steps have none") {
+  const auto order_of = [](const LawFormula& law, double time) {
+    const LawUse use = law_of(law, {{"stiffness", 5.0}, {"tau", time}});
+    return finding(check::check_laws_of(row({{0.5, use}, {0.6, use}}), options()), "order").outcome;
+  };
+  LawFormula maxwell;
+  maxwell.force = "stiffness*(e - z)";
+  maxwell.states.push_back({"z", "(e - z)/tau"});
+  maxwell.parameters = {{"stiffness"}, {"tau"}};
+  for (const double time : {1e-1, 1e-2, 1e-3}) {
+    const check::Outcome outcome = order_of(maxwell, time);
+    CAPTURE(time);
+    CAPTURE(outcome.why);
+    CHECK(outcome.result == Result::passed);
+  }
+  const check::Outcome fast = order_of(maxwell, 1e-6);
+  CHECK(fast.result == Result::skipped);
+  CHECK(fast.why.find("a state relaxes within 1e-06 s") != std::string::npos);
+  CHECK(order_of(formula("stiffness*sin(e/tau)"), 1e-4).result == Result::passed);
+  CHECK(order_of(formula("stiffness*e*exp(-time/tau)"), 1e-3).result == Result::passed);
+}
