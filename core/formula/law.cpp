@@ -64,7 +64,8 @@ std::vector<std::pair<std::size_t, std::size_t>> groups_of(const sdk::JacobianLa
 }  // namespace
 
 void fail_unknown_function(const Expression& formula, const Term& term) {
-  const std::string nearest = suggestion(term.name, function_names());
+  const std::string nearest =
+      term.name == "ln" ? "the natural logarithm is 'log'" : suggestion(term.name, function_names());
   fail_at(formula.text, term.place,
           fmt::format("there is no function '{}'{}{}", printable(term.name), nearest.empty() ? "" : "; ", nearest));
 }

@@ -216,8 +216,12 @@ void Symbols::fail_unknown(const Expression& formula, const Term& term) const {
     for (const OwnName& each : of_one) known.emplace_back(each.name);
   known.insert(known.end(), std::begin(of_all), std::end(of_all));
   const std::string nearest = suggestion(term.name, known);
-  fail_at(formula.text, term.place,
-          fmt::format("'{}' is not known{}{}", printable(term.name), nearest.empty() ? "" : "; ", nearest));
+  fail_at(
+      formula.text, term.place,
+      fmt::format("'{0}' is not known; {1}", printable(term.name),
+                  !nearest.empty() ? nearest
+                                   : fmt::format("if it is a parameter, give its value beside the formula: {} = 1.0",
+                                                 printable(term.name))));
 }
 
 std::vector<std::string> free_names(const LawFormula& law) {

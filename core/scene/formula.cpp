@@ -23,6 +23,7 @@ void read_inputs(const Value& inputs, LawFormula& law) {
     for (const Value& name : inputs.elements()) law.inputs.push_back({name.text()});
     return;
   }
+  if (inputs.is_text()) inputs.fail("must be a list of names, as [\"drive\"], or a table of names and values");
   const Table table = inputs.open_table("inputs");
   for (const std::string& name : table.keys()) {
     NumberOfFormula input = read_number(name, *table.find_parameter(name), false);

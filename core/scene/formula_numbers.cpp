@@ -25,7 +25,10 @@ Quantity read_quantity(const Value& value) {
     value.fail("must be a number, or a number and its unit, as \"3 N/m\"");
   std::string unit(end, text.data() + text.size());
   unit.erase(0, unit.find_first_not_of(' '));
-  if (unit.empty()) value.fail("has no unit after the number; write \"3 N/m\", or the number without quotes");
+  if (unit.empty())
+    value.fail(
+        "has no unit after the number; write \"3 N/m\", \"3 1\" for a number without unit, or the number without "
+        "quotes");
   return {number, unit};
 }
 
