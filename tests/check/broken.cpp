@@ -188,11 +188,12 @@ TEST_CASE("what needs a check that fails is skipped, and all else is not") {
   };
   for (const Skips& each :
        {Skips{"crashes",
-              {"arrays", "finite", "rest", "energy", "derivatives", "dissipation", "batches", "states", "promises",
+              {"arrays", "batches", "finite", "rest", "energy", "derivatives", "dissipation", "states", "promises",
                "order", "leaks", "speed"}},
         Skips{"nan", {"rest", "energy", "derivatives", "dissipation", "states", "promises", "order"}},
         Skips{"wrong_energy", {"dissipation", "order"}}, Skips{"wrong_derivative", {"order"}},
-        Skips{"batch_size", {"states", "order"}}, Skips{"half_steps", {"order"}}, Skips{"loaded_at_rest", {}}}) {
+        Skips{"batch_size", {"finite", "rest", "energy", "derivatives", "dissipation", "states", "promises", "order"}},
+        Skips{"half_steps", {"order"}}, Skips{"loaded_at_rest", {}}}) {
     CAPTURE(std::string(each.name));
     std::vector<std::string> skipped;
     for (const check::Finding& finding : report_on(each.name).findings)
