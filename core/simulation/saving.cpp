@@ -101,6 +101,7 @@ std::string Simulation::save() {
   Impl& impl = impl_->between_steps();
   std::string memory = impl.integrator_memory();
   // As in the simulation that takes up the bytes.
+  impl.engine.contact_events().forget();
   if (memory.empty())
     impl.drop_history();
   else
@@ -159,6 +160,7 @@ void Simulation::restore(std::string_view saved) {
     impl.archive(back);
     throw;
   }
+  impl.engine.contact_events().forget();
   if (memory.empty())
     impl.drop_history();
   else

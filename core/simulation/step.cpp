@@ -118,7 +118,6 @@ double Engine::next_discontinuity(double time) const noexcept {
 void Engine::forget() noexcept {
   sweep_.forget();
   linear_.forget();
-  contact_events_.forget();
   verlet_.reset();
   swept_ = false;
 }
