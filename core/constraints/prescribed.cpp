@@ -102,8 +102,9 @@ void Prescribed::archive(Archive& archive) {
 }
 
 void Prescribed::stop(std::uint32_t node) {
+  if (!moves(node)) return;
   change();
-  if (any()) now_.motion_of[node] = none;
+  now_.motion_of[node] = none;
 }
 
 }  // namespace springnet

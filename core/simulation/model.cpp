@@ -112,6 +112,15 @@ void Model::archive(Archive& archive) {
   layout.signals().archive(archive);
   contact.archive(archive);
   journal.archive(archive);
+  for (const Event& each : journal.events()) {
+    const bool of_spring = each.kind == Event::Kind::cut || each.kind == Event::Kind::ruptured;
+    const std::size_t count = each.element ? layout.elements().count()
+                              : of_spring  ? layout.spring_count()
+                                           : node_count();
+    if (each.index >= count || each.surface < -1 ||
+        each.surface >= static_cast<std::int32_t>(contact.obstacles().size()))
+      Archive::refuse("an event is of nothing that there is");
+  }
   recent_touches.archive(archive);
   archive.same(node_count(), "nodes");
   for (const springnet_vectors& vectors : {state.view.position, state.view.velocity, state.view.force})

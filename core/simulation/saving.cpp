@@ -95,6 +95,9 @@ void Simulation::Impl::archive(Archive& archive) {
   for (double* each : {&last.force_difference, &last.residual, &last.position_error}) archive.number(*each);
   archive.number(last.node);
   archive.number(last.start_node);
+  const std::int64_t nodes = engine.model().node_count();
+  if ((last.node != 0 && last.node >= nodes) || last.start_node < -1 || last.start_node >= nodes)
+    Archive::refuse("a node does not exist");
 }
 
 std::string Simulation::save() {
