@@ -104,6 +104,8 @@ sdk::Dual<N> step_of(const ProgramStep& step, const sdk::Dual<N>* at, const Curv
       return (a * b + c) * d;
     case Code::sum_of_products:
       return a * b + c * d;
+    case Code::sum_of_longer_products:
+      return a * b * c + d * at[step.from[4]];
     case Code::products_difference:
       return a * b - c * d;
     case Code::power:

@@ -55,15 +55,16 @@ enum class Code : std::uint8_t {
   curve_slope,  // its derivative
   curve_bend,   // its second derivative
   // Of programs alone: several steps in one loop, each rounded as by itself.
-  product_sum,          // a b + c
-  product_difference,   // a b - c
-  difference_product,   // c - a b
-  product_product,      // (a b) c
-  product_product_sum,  // (a b) c + d
-  product_sum_product,  // (a b + c) d
-  sum_of_products,      // a b + c d
-  products_difference,  // a b - c d
-  expm1_and_slope       // two results
+  product_sum,             // a b + c
+  product_difference,      // a b - c
+  difference_product,      // c - a b
+  product_product,         // (a b) c
+  product_product_sum,     // (a b) c + d
+  product_sum_product,     // (a b + c) d
+  sum_of_products,         // a b + c d
+  sum_of_longer_products,  // (a b) c + d e
+  products_difference,     // a b - c d
+  expm1_and_slope          // two results
 };
 
 struct Step {

@@ -11,8 +11,13 @@ namespace {
 struct Work {
   Node node, also;
   Code code;
-  std::array<Node, 4> arguments;
+  std::array<Node, 5> arguments;
 };
+
+// What takes much longer than to read and to write its numbers.
+bool is_function(Code code) {
+  return (code >= Code::sqrt && code <= Code::curve_bend) || code == Code::quotient || code == Code::expm1_and_slope;
+}
 
 class Scheduler {
  public:
@@ -71,6 +76,7 @@ class Scheduler {
       ProgramStep& step = program.steps.emplace_back(ProgramStep{work.code, 0, {}, to, also, graph_[work.node].index});
       for (const Node a : work.arguments)
         if (a != no_node) step.from[step.arguments++] = place[a];
+      program.has_functions = program.has_functions || is_function(work.code);
       // A step may not write where it reads, so its own arguments are free after it.
       for (const Node a : work.arguments) {
         if (a == no_node || last_use[a] != k || keeps(a) || place[a] < first) continue;
@@ -121,7 +127,7 @@ class Scheduler {
       const auto node = static_cast<Node>(i);
       const Step& step = graph_[node];
       if (!needed_[node] || is_joined_[node] || step.code == Code::constant || step.code == Code::input) continue;
-      Work work{node, no_node, step.code, {step.a, step.b, step.c, no_node}};
+      Work work{node, no_node, step.code, {step.a, step.b, step.c, no_node, no_node}};
       if (const auto pair = pairs.find(node); pair != pairs.end()) {
         const bool is_slope = step.code == Code::expm1_slope;
         work.node = is_slope ? pair->second : node;
@@ -145,20 +151,21 @@ class Scheduler {
     if (can_join(step.b, code)) return {step.b, step.a};
     return {};
   }
+  // Its factors become arguments of the work, from this one on.
+  void take(Node product, std::size_t at, Work& work) {
+    is_joined_[product] = true;
+    work.arguments[at] = graph_[product].a;
+    work.arguments[at + 1] = graph_[product].b;
+  }
   void join_products(const Step& step, Work& work) {
     const bool is_sum = step.code == Code::sum;
     if (!is_sum && step.code != Code::product && step.code != Code::difference) return;
-    const auto take = [&](Node node, std::size_t at) {
-      is_joined_[node] = true;
-      work.arguments[at] = graph_[node].a;
-      work.arguments[at + 1] = graph_[node].b;
-    };
     if (step.code == Code::product) {
       if (const Joined sum = joined(step, Code::sum); sum.node != no_node) {
         const Joined product = joined(graph_[sum.node], Code::product);
         if (product.node == no_node || can_join(product.other, Code::product)) return;
         is_joined_[sum.node] = true;
-        take(product.node, 0);
+        take(product.node, 0, work);
         work.arguments[2] = product.other;
         work.arguments[3] = sum.other;
         work.code = Code::product_sum_product;
@@ -167,23 +174,40 @@ class Scheduler {
     }
     const Joined product = joined(step, Code::product);
     if (product.node == no_node) return;
-    take(product.node, 0);
+    take(product.node, 0, work);
     work.arguments[2] = product.other;
     if (step.code == Code::product) {
       work.code = Code::product_product;
     } else if (can_join(product.other, Code::product)) {
-      work.code = is_sum ? Code::sum_of_products : Code::products_difference;
-      take(product.other, 2);
+      join_two_products(product.node, product.other, is_sum, work);
     } else if (!is_sum) {
       work.code = product.node == step.a ? Code::product_difference : Code::difference_product;
     } else if (const Joined inner = joined(graph_[product.node], Code::product); inner.node != no_node) {
       work.code = Code::product_product_sum;
-      take(inner.node, 0);
+      take(inner.node, 0, work);
       work.arguments[2] = inner.other;
       work.arguments[3] = product.other;
     } else {
       work.code = Code::product_sum;
     }
+  }
+
+  void join_two_products(Node one, Node other, bool is_sum, Work& work) {
+    if (is_sum) {
+      for (const auto& [longer, shorter] : {std::pair(one, other), std::pair(other, one)}) {
+        const Joined inner = joined(graph_[longer], Code::product);
+        if (inner.node == no_node) continue;
+        is_joined_[longer] = true;
+        take(inner.node, 0, work);
+        work.arguments[2] = inner.other;
+        take(shorter, 3, work);
+        work.code = Code::sum_of_longer_products;
+        return;
+      }
+    }
+    take(one, 0, work);
+    take(other, 2, work);
+    work.code = is_sum ? Code::sum_of_products : Code::products_difference;
   }
 
   const Graph& graph_;

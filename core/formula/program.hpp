@@ -17,7 +17,7 @@ using Place = std::uint32_t;
 struct ProgramStep {
   Code code;
   std::uint8_t arguments;
-  std::array<Place, 4> from;
+  std::array<Place, 5> from;
   Place to, also;       // also: of a second result, or `to`
   std::uint32_t index;  // of a table
 };
@@ -28,6 +28,7 @@ struct Program {
   std::uint32_t slots = 0;  // of memory
   std::vector<ProgramStep> steps;
   std::vector<Place> outputs;  // one for each node asked for
+  bool has_functions = false;  // any step but sums, products and choices
 
   [[nodiscard]] Place first_constant() const { return static_cast<Place>(inputs.size()); }
   [[nodiscard]] Place first_slot() const { return static_cast<Place>(inputs.size() + constants.size()); }

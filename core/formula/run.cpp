@@ -203,6 +203,9 @@ class Machine {
         return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return (x * y + z) * w; });
       case Code::sum_of_products:
         return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return x * y + z * w; });
+      case Code::sum_of_longer_products:
+        return with<5>(step, at, varies, count,
+                       [](double x, double y, double z, double v, double w) { return x * y * z + v * w; });
       case Code::products_difference:
         return with<4>(step, at, varies, count, [](double x, double y, double z, double w) { return x * y - z * w; });
       case Code::absolute:
@@ -288,7 +291,11 @@ class Machine {
 }  // namespace
 
 void run(const Program& program, const Batch& batch, double* const* outputs) {
-  sdk::detail::run<Machine>(Call{program, batch, outputs, batch.instruction_set});
+  // Sums and products of memory are as fast as that is: broader registers read and write it no faster, and their loops
+  // take longer to begin and to end.
+  const bool may_be_broad = program.has_functions || batch.instruction_set != SPRINGNET_AVX512;
+  const std::uint32_t set = may_be_broad ? batch.instruction_set : std::uint32_t{SPRINGNET_AVX2};
+  sdk::detail::run<Machine>(Call{program, batch, outputs, set});
 }
 
 }  // namespace springnet::formula

@@ -3,6 +3,7 @@
 // the same bits. Bounds of the ratio: 3 for a polynomial, 1.5 where exp takes most of the time; a ratio beyond its
 // bound gets a '!'.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -57,9 +58,14 @@ struct Rival {
   double bound;
 };
 
-// Best of many batches, ns a spring.
-double nanoseconds(const springnet_law& law, const std::vector<double>& values, std::uint32_t set, bool tangent,
-                   double* force, double* by_length) {
+struct Results {
+  alignas(64) double force[springs], by_length[springs];
+};
+
+// Best of many batches of each of two laws in turn, so that both have the machine's better and worse times, ns a
+// spring.
+std::array<double, 2> nanoseconds(const std::array<const springnet_law*, 2>& laws, const std::vector<double>& values,
+                                  std::uint32_t set, bool tangent, Results (&results)[2]) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> rests(0.5, 1.5), stretches(0.8, 1.2);
   alignas(64) static double length[springs], rest[springs];
@@ -80,18 +86,20 @@ double nanoseconds(const springnet_law& law, const std::vector<double>& values, 
   batch.reference = rest;
   batch.parameters = parameters.data();
   batch.parameter_strides = strides.data();
-  batch.force = force;
-  batch.force_by_q = tangent ? by_length : nullptr;
   batch.message = &message;
   constexpr int calls = 16;  // that one look at the clock covers
-  double best = 1e9;
-  for (int repetition = 0; repetition < 400; ++repetition) {
+  std::array<double, 2> best{1e9, 1e9};
+  for (int repetition = 0; repetition < 800; ++repetition) {
+    const std::size_t which = repetition % 2;
+    batch.force = results[which].force;
+    batch.force_by_q = tangent ? results[which].by_length : nullptr;
     const auto begin = std::chrono::steady_clock::now();
-    for (int call = 0; call < calls; ++call) law.evaluate(law.context, &batch);
+    for (int call = 0; call < calls; ++call) laws[which]->evaluate(laws[which]->context, &batch);
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
-    best = std::min(best, time.count());
+    best[which] = std::min(best[which], time.count());
   }
-  return 1e9 * best / (calls * springs);
+  for (double& each : best) each *= 1e9 / (calls * springs);
+  return best;
 }
 
 }  // namespace
@@ -123,11 +131,12 @@ int main() {
     const auto& compiled = *static_cast<const springnet_law*>(rival.compiled.description().implementation);
     for (const std::uint32_t set : springnet::test::instruction_sets()) {
       for (const bool tangent : {false, true}) {
-        alignas(64) static double force[2][springs], by_length[2][springs];
-        const double of_plugin = nanoseconds(compiled, rival.values, set, tangent, force[0], by_length[0]);
-        const double of_formula = nanoseconds(as_formula->law(), rival.values, set, tangent, force[1], by_length[1]);
+        static Results results[2];
+        const auto [of_plugin, of_formula] =
+            nanoseconds({&compiled, &as_formula->law()}, rival.values, set, tangent, results);
         for (std::uint32_t i = 0; i < springs; ++i)
-          same = same && force[0][i] == force[1][i] && by_length[0][i] == by_length[1][i];
+          same =
+              same && results[0].force[i] == results[1].force[i] && results[0].by_length[i] == results[1].by_length[i];
         const double ratio = of_formula / of_plugin;
         std::printf("| %s | %s | %s | %.3f | %.3f | %.2f%s | %g |\n", rival.name,
                     set == SPRINGNET_AVX512 ? "AVX-512" : (set == SPRINGNET_AVX2 ? "AVX2" : "SSE2"),
