@@ -23,11 +23,13 @@
 namespace springnet {
 
 struct Simulation::Impl {
-  Impl(const Network& network, std::shared_ptr<const PluginHost> plugin_host, const SimulationOptions& given)
-      : plugins(std::move(plugin_host)),
+  Impl(std::shared_ptr<const Network> given_network, std::shared_ptr<const PluginHost> plugin_host,
+       const SimulationOptions& given)
+      : network(std::move(given_network)),
+        plugins(std::move(plugin_host)),
         options(given),
         component(plugins->require(ComponentKind::integrator, given.integrator.id)),
-        engine(network, *plugins, given),
+        engine(*network, *plugins, given),
         host(make_host_table(engine)) {
     create_integrator();
   }
@@ -144,6 +146,7 @@ struct Simulation::Impl {
     return {v.x, 3, static_cast<Eigen::Index>(n), Eigen::OuterStride<>(static_cast<Eigen::Index>(pitch_of(n)))};
   }
 
+  std::shared_ptr<const Network> network;  // as it was given
   std::shared_ptr<const PluginHost> plugins;
   SimulationOptions options;
   std::shared_ptr<const Component> component;

@@ -252,7 +252,12 @@ std::optional<Simulation::Between> Simulation::Impl::between(double time) {
 }
 
 Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins,
+                       const SimulationOptions& options)
+    : Simulation(std::make_shared<const Network>(network), std::move(plugins), options) {}
+
+Simulation::Simulation(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
                        const SimulationOptions& options) {
+  if (!network) throw Error(ErrorKind::input, "a simulation needs a network");
   if (!plugins) throw Error(ErrorKind::input, "a simulation needs a plugin host");
   if (!(options.time_step > 0.0) || !std::isfinite(options.time_step))
     throw Error(ErrorKind::input,
@@ -260,10 +265,10 @@ Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost>
   if (options.threads > max_threads)
     throw Error(ErrorKind::input, fmt::format("threads: must be 0 to {}, is {}; 0 takes as many as are useful",
                                               max_threads, options.threads));
-  if (network.nodes().empty())
+  if (network->nodes().empty())
     throw Error(ErrorKind::input, "the network has no nodes; add a body or single nodes before simulating it");
-  check_spacing(network);
-  impl_ = std::make_unique<Impl>(network, std::move(plugins), options);
+  check_spacing(*network);
+  impl_ = std::make_unique<Impl>(std::move(network), std::move(plugins), options);
 }
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;

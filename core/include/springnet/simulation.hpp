@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
@@ -68,6 +69,14 @@ struct Event {
   // For a node: the surface (planes, then instruments; -1: unknown), and its impulse on the node, N s.
   std::int32_t surface = -1;
   Vector3 impulse = Vector3::Zero();
+  // At that moment, before it changes anything: where the node, or the middle of the spring's or element's nodes is, m;
+  // its velocity, m/s; the direction from the surface to the node, of length 1 (zero for springs and elements).
+  Vector3 position = Vector3::Zero();
+  Vector3 velocity = Vector3::Zero();
+  Vector3 normal = Vector3::Zero();
+  // Of a spring its length, m, and tension, N; of an element its invariant and generalised force. nan for a node.
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double force = std::numeric_limits<double>::quiet_NaN();
 };
 
 // What a grasped node or a surface feels near where it is: the force at the end of a step, and how it would differ had
@@ -84,6 +93,51 @@ struct LocalForce {
 using ConstNodeMap =
     Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
 
+// One number for each spring, likewise without a copy, [user's number].
+using ConstValueMap = Eigen::Map<const Eigen::VectorXd>;
+
+// Energies by kind, J. nan: a law that has no energy is among them.
+struct Energies {
+  double kinetic = 0.0;
+  double springs = 0.0;
+  double elements = 0.0;
+  double gravity = 0.0;  // relative to the origin
+  [[nodiscard]] double total() const { return kinetic + springs + elements + gravity; }
+};
+
+// A place on a spring.
+struct NearestSpring {
+  SpringIndex spring = 0;
+  double distance = 0.0;            // m
+  double along = 0.0;               // 0: at its first node, 1: at its second
+  Vector3 point = Vector3::Zero();  // m
+};
+
+// Where a ray first meets a face of a body or a surface.
+struct RayHit {
+  double distance = 0.0;            // m, from the origin of the ray
+  Vector3 point = Vector3::Zero();  // m
+  std::int64_t face = -1;           // in Network::faces(); -1: a surface was met
+  std::int32_t surface = -1;        // planes, then instruments; -1: a face was met
+  NodeIndex node = 0;               // the face's corner next to the point
+};
+
+// The state after a step, for a thread that draws it while the next one is made.
+struct Snapshot {
+  double time = 0.0;  // s
+  std::uint64_t steps = 0;
+  Eigen::Matrix3Xd positions, velocities;  // m, m/s; [user's node]
+  std::size_t live_springs = 0, events = 0;
+};
+
+// The largest time step of an integrator at the present state.
+struct TimeStepLimit {
+  std::string rule;                                             // empty: the integrator has no rules to choose from
+  double time_step = std::numeric_limits<double>::quiet_NaN();  // s; infinity: none; nan: not known
+  std::optional<NodeIndex> node{};                              // that sets it
+  std::string reason{};                                         // why it is not known, or what sets it
+};
+
 // An internal state of a law, as the law declares it.
 struct InternalState {
   std::string name;           // "flow"
@@ -96,6 +150,9 @@ class SPRINGNET_API Simulation {
  public:
   // Throws Error(input) or Error(plugin). `plugins` may be shared between simulations.
   Simulation(const Network& network, std::shared_ptr<const PluginHost> plugins, const SimulationOptions& options = {});
+  // The same without a copy of the network, which must not change any more.
+  Simulation(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+             const SimulationOptions& options = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -114,6 +171,14 @@ class SPRINGNET_API Simulation {
   const StepReport& step_within(double seconds);
   // Makes time steps until `time`; the last one is shortened to end there.
   const StepReport& advance_to(double time);
+  // The same; go_on() is asked after each step, and ends it there with false.
+  const StepReport& advance_to(double time, const std::function<bool()>& go_on);
+
+  // Called by the thread that steps or changes the simulation, once the state is consistent, for each event in order;
+  // and after each step. They may read the simulation, not change it. Exceptions end the call that they come from,
+  // whose step is made. Empty: none.
+  void on_event(std::function<void(const Event&)> callback);
+  void on_step(std::function<void(const StepReport&)> callback);
 
   // Drops all that the integrator and the engine keep from step to step only to be faster, or to choose the next step
   // by those before: derivatives and preconditioners, earlier velocities, estimates, the history of a multistep method.
@@ -142,6 +207,14 @@ class SPRINGNET_API Simulation {
   // damaged, or of another network, law, integrator or version; this simulation then stays as it was, but for its
   // history. Bytes from a stranger can do no more than give a wrong motion.
   void restore(std::string_view saved);
+  // The same in a file. It is written beside the file and takes its place once it is whole and on the disk, so that
+  // there is always the one before or the new one. Throw Error(input) that names the file.
+  void save_to(const std::filesystem::path& file);
+  void restore_from(const std::filesystem::path& file);
+  // A copy that goes on by itself, also in another thread, with the same bits. What does not change is shared. Drops
+  // the history as save() does. Callbacks, snapshots and the profiler are not those of the copy. Throws as
+  // drop_history().
+  [[nodiscard]] Simulation clone();
   // Positions and velocities, columns as in positions(), at a time (s) within the integrator's last step. Empty where
   // it has none: it has no dense output, the time is another one, or an event ended the step. At time() it is the
   // present state, with changes since the step and velocities after a jump of a prescribed motion; after a change of
@@ -150,6 +223,11 @@ class SPRINGNET_API Simulation {
     Eigen::Matrix3Xd positions, velocities;
   };
   [[nodiscard]] std::optional<Between> between(double time);
+
+  // Snapshots are kept from now on, or no longer. snapshot(), from any thread: that after the last step or change that
+  // is done; null: none is kept.
+  void keep_snapshots(bool keep = true);
+  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const;
 
   [[nodiscard]] double time() const noexcept;
   [[nodiscard]] double time_step() const noexcept;
@@ -171,6 +249,10 @@ class SPRINGNET_API Simulation {
   // did not compute it, as after single sweeps.
   [[nodiscard]] ConstNodeMap forces() const;
   [[nodiscard]] const std::vector<std::uint32_t>& columns() const noexcept;
+  // reaction() of all nodes.
+  [[nodiscard]] ConstNodeMap reactions() const;
+  // A copy of one of these maps whose column k is the user's node k.
+  [[nodiscard]] Eigen::Matrix3Xd in_user_order(const ConstNodeMap& map) const;
 
   [[nodiscard]] Vector3 position(NodeIndex node) const;
   [[nodiscard]] Vector3 velocity(NodeIndex node) const;
@@ -213,6 +295,9 @@ class SPRINGNET_API Simulation {
   // (0 for removed springs; nan where the spring function has no energy). Replace the contents of `out`.
   void tensions(std::vector<double>& out) const;
   void spring_energies(std::vector<double>& out) const;
+  // The same without a copy, valid until the simulation is advanced or changed.
+  [[nodiscard]] ConstValueMap tensions() const;
+  [[nodiscard]] ConstValueMap spring_energies() const;
 
   // Power that the laws of each spring, or of an element, dissipate at the present state, W: of a law with an energy E
   //   D = (Q - dE/dq) q' - dE/dz z',
@@ -241,6 +326,7 @@ class SPRINGNET_API Simulation {
   // Energies, J. Potential energy: laws that have one, and gravity relative to the origin.
   [[nodiscard]] double kinetic_energy() const;
   [[nodiscard]] double potential_energy() const;
+  [[nodiscard]] Energies energies() const;
   // Of all springs and elements together: dissipations() where they are known, W; and their sum over time since the
   // start, J (nan unless SimulationOptions::dissipated_energy). Over each committed step it is
   //   (R0 + R1) (q1 - q0) / 2 - (dE/dz0 + dE/dz1) (z1 - z0) / 2,   R = Q - dE/dq,
@@ -274,6 +360,57 @@ class SPRINGNET_API Simulation {
   // whole with a side of one of its triangles: it leaks.
   std::size_t cut(const std::vector<SpringIndex>& springs);
   std::size_t cut_polygon(const std::vector<Vector3>& corners);
+
+  std::size_t remove_elements(const std::vector<ElementIndex>& elements);
+  // A removed node keeps its number and its place; its springs, elements and faces are removed, and it is fixed.
+  void remove_nodes(const std::vector<NodeIndex>& nodes);
+
+  // Changes of laws, neurons and rest states, which cost about as much as what they change. `values`: one for all, or
+  // one each, in the units in which they are declared. The law is the spring's spring function or viscosity function
+  // (ComponentKind). An input set here no longer follows its signal. Integrators go on from the state as it is: cvode
+  // restarts, the others evaluate it anew. Throw Error(input), before anything is changed, for what does not exist or
+  // is out of the declared bounds.
+  void set_parameter(const std::vector<SpringIndex>& springs, ComponentKind law, std::string_view parameter,
+                     const std::vector<double>& values);
+  void set_element_parameter(const std::vector<ElementIndex>& elements, ComponentKind law, std::string_view parameter,
+                             const std::vector<double>& values);
+  void set_neuron_parameter(const std::vector<NodeIndex>& nodes, std::string_view parameter,
+                            const std::vector<double>& values);
+  void set_law_input(const std::vector<SpringIndex>& springs, ComponentKind law, std::string_view input,
+                     const std::vector<double>& values);
+  void set_element_input(const std::vector<ElementIndex>& elements, ComponentKind law, std::string_view input,
+                         const std::vector<double>& values);
+  void set_rest_lengths(const std::vector<SpringIndex>& springs, const std::vector<double>& values);  // m
+  void set_references(const std::vector<ElementIndex>& elements, const std::vector<double>& values);
+  void set_masses(const std::vector<NodeIndex>& nodes, const std::vector<double>& values);  // kg
+  // The present values.
+  [[nodiscard]] double parameter(SpringIndex spring, ComponentKind law, std::string_view parameter) const;
+  [[nodiscard]] double element_parameter(ElementIndex element, ComponentKind law, std::string_view parameter) const;
+  [[nodiscard]] double neuron_parameter(NodeIndex node, std::string_view parameter) const;
+  [[nodiscard]] double rest_length(SpringIndex spring) const;
+  [[nodiscard]] double reference(ElementIndex element) const;
+  [[nodiscard]] double mass(NodeIndex node) const;
+  // Adds nodes, springs, elements, bodies, loads, planes, instruments, …: `add` gets the network with its nodes where
+  // they are now, in which rest lengths and references are those of the present state unless given, and may call all of
+  // its functions that add something. Numbers go on from those before; what is there stays as it is, states of laws,
+  // contacts and motions included. Sets the engine up anew, which takes as long as a new simulation. Throws as
+  // Simulation() and what `add` throws; the simulation then stays as it was.
+  void extend(const std::function<void(Network&)>& add);
+  // Goes on with another integrator, or with other parameters of the same, from the present state.
+  void set_integrator(const LawUse& integrator);
+  // The network as it is now: positions, velocities, parameters, rest lengths; without removed springs and elements, so
+  // that these have other numbers. With it a simulation starts where this one is, but for contacts and states of laws.
+  [[nodiscard]] Network present_network() const;
+
+  // What is where. Springs and elements of a node: those that are not removed, in rising order. Nearest, ray: at the
+  // present state; throw Error(input) for numbers that are not finite and a direction of length 0.
+  [[nodiscard]] std::vector<SpringIndex> springs_of(NodeIndex node) const;
+  [[nodiscard]] std::vector<ElementIndex> elements_of(NodeIndex node) const;
+  [[nodiscard]] std::optional<NodeIndex> nearest_node(const Vector3& point) const;
+  [[nodiscard]] std::optional<NearestSpring> nearest_spring(const Vector3& point) const;
+  [[nodiscard]] std::optional<RayHit> cast_ray(const Vector3& origin, const Vector3& direction) const;
+  // Of the integrator, rule by rule, at the present state; empty if it tells none.
+  [[nodiscard]] std::vector<TimeStepLimit> time_step_limits() const;
 
   // Moves the surface, or the node (fixed from then on), in a straight line at constant speed to `position` (m), where
   // it arrives at `time` (s, later than now) and stays. Ends a motion of the scene; a surface that turns keeps turning.
