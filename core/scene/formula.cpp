@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <springnet/error.hpp>
 #include <springnet/formula.hpp>
+#include <springnet/suggestion.hpp>
 
 #include "formula/expression.hpp"
 #include "scene/formula_numbers.hpp"
@@ -16,6 +18,8 @@ namespace {
 
 constexpr std::array<std::string_view, 10> own_keys{"formula", "energy",  "margin",  "inputs",   "curves",
                                                     "states",  "scalars", "stretch", "declares", "summary"};
+// A misspelt one, in a table without `type`, is told where it stands.
+const std::vector<std::string> formula_words{"formula", "energy"};
 constexpr std::size_t most_points = 100'000;
 
 void read_inputs(const Value& inputs, LawFormula& law) {
@@ -54,11 +58,13 @@ void read_scalars(const Value& scalars, LawFormula& law) {
 }
 
 // [smallest, largest]
-void read_stretch(const Value& stretch, LawFormula& law) {
+void read_stretch(const Value& stretch, LawFormula& law, bool of_lengths) {
   if (!stretch.is_list()) stretch.wrong_type("two numbers [smallest, largest]");
   const std::vector<Value> bounds = stretch.elements(2);
   law.smallest_stretch = bounds[0].number();
   law.largest_stretch = bounds[1].coordinate();
+  if (of_lengths && law.smallest_stretch < 0.0)
+    bounds[0].fail(fmt::format("must be at least 0, as lengths are, is {}", law.smallest_stretch));
   if (!(law.smallest_stretch < law.largest_stretch))
     bounds[1].fail(
         fmt::format("must be above the smallest stretch, {}, is {}", law.smallest_stretch, law.largest_stretch));
@@ -74,6 +80,17 @@ void read_promises(const Value& declares, LawFormula& law) {
     promise = true;
     if (&promise == &law.smooth_rates && law.states.empty())
       each.fail("has no meaning for a law without 'states'; remove it");
+  }
+}
+
+// Every other key is one; what cannot be is a misspelt key.
+NumberOfFormula read_parameter(const std::string& name, const Value& value) {
+  try {
+    return read_number(name, value, true);
+  } catch (const Error& error) {
+    const std::string near = suggestion(name, {own_keys.begin(), own_keys.end()});
+    if (near.empty()) throw;
+    throw Error(error.kind(), fmt::format("{}; if '{}' is no parameter: {}", error.what(), name, near));
   }
 }
 
@@ -106,8 +123,13 @@ void add_given(const Table& table, const Value& place, const std::vector<Materia
 }  // namespace
 
 bool is_formula_of(const Table& table) {
-  return table.find_parameter("formula").has_value() ||
-         (table.find_parameter("energy").has_value() && !table.find_parameter("type").has_value());
+  if (table.find_parameter("formula").has_value()) return true;
+  if (table.find_parameter("type").has_value()) return false;
+  if (table.find_parameter("energy").has_value()) return true;
+  for (const std::string& key : table.keys())
+    if (const Value value = *table.find_parameter(key); value.is_text() && suggestion(key, formula_words) != "")
+      value.fail(fmt::format("is no key of a law; {}", suggestion(key, formula_words)));
+  return false;
 }
 
 std::optional<Invariant> shape_of_formula(const Table& table) {
@@ -147,13 +169,13 @@ LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, 
   if (const auto states = table.find_parameter("states")) law.states = read_states(*states);
   if (const auto curves = table.find_parameter("curves")) read_curves(*curves, law);
   if (stretch && several) stretch->fail("has no meaning for a law over several scalars; remove it");
-  if (stretch) read_stretch(*stretch, law);
+  if (stretch) read_stretch(*stretch, law, !elements);
   if (const auto declares = table.find_parameter("declares")) read_promises(*declares, law);
   if (const auto summary = table.find_parameter("summary")) law.summary = summary->text();
   ParameterValues values;
   for (const std::string& name : table.keys()) {
     if (std::find(own_keys.begin(), own_keys.end(), name) != own_keys.end()) continue;
-    NumberOfFormula parameter = read_number(name, *table.find_parameter(name), true);
+    NumberOfFormula parameter = read_parameter(name, *table.find_parameter(name));
     law.parameters.push_back(std::move(parameter.symbol));
     values.emplace(name, parameter.value);
   }

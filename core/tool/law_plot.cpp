@@ -22,7 +22,7 @@ namespace springnet::tool {
 namespace {
 
 // More would be a picture that nobody reads.
-constexpr std::size_t most_figures = 24;
+constexpr std::size_t most_laws = 24;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::input, what); }
 
@@ -75,7 +75,8 @@ std::string title_of(const Component& component) {
 }
 
 // A law by its name: what is not given is the default, or a sample value.
-Figure figure_of_component(const Component& component, const PlotArguments& arguments) {
+ShownLaw law_of_component(const std::shared_ptr<const Component>& shared, const PlotArguments& arguments) {
+  const Component& component = *shared;
   LawSetting setting;
   setting.component = &component;
   ParameterValues given;
@@ -120,12 +121,13 @@ Figure figure_of_component(const Component& component, const PlotArguments& argu
   if (!assumed.empty())
     notes.push_back(fmt::format("Not given, a sample value: {}. '--set NAME=VALUE' sets it.", listed(assumed)));
   if (!setting.tables.empty()) notes.emplace_back("Its tables are samples: a straight line. A scene's own are drawn.");
-  return figure_of(title_of(component), std::move(notes), std::move(setting), options_of(arguments));
+  return {shared, title_of(component), std::move(notes), std::move(setting), arguments.reference};
 }
 
 // A law of a scene's material. reference: of a spring or element that has it.
-Figure figure_of_use(const Component& component, const LawUse& use, double reference, const std::string& users,
-                     const PlotArguments& arguments) {
+ShownLaw law_of_use(const std::shared_ptr<const Component>& shared, const LawUse& use, double reference,
+                    const std::string& users, const PlotArguments& arguments) {
+  const Component& component = *shared;
   LawSetting setting;
   setting.component = &component;
   setting.parameters = complete_parameters(*component.description, use.parameters, component.id());
@@ -144,11 +146,9 @@ Figure figure_of_use(const Component& component, const LawUse& use, double refer
   std::vector<std::string> notes{shown(component.description->summary)};
   if (!values.empty()) notes.push_back(listed(values));
   notes.push_back(users);
-  LawFigureOptions options = options_of(arguments);
-  if (reference > 0.0) options.reference = reference;
   const std::string title =
       is_formula ? fmt::format("{} by a formula", name_of(component.kind())) : title_of(component);
-  return figure_of(title, std::move(notes), std::move(setting), options);
+  return {shared, title, std::move(notes), std::move(setting), reference > 0.0 ? reference : arguments.reference};
 }
 
 // Of a material, and the rest value of the first.
@@ -168,7 +168,14 @@ std::string text_of_users(const Users& users, const Component& component) {
                             users.springs > 0 ? " m" : "");
 }
 
-void write_plot(const std::string& title, const std::vector<Figure>& figures, const std::filesystem::path& file) {
+void write_plot(const std::string& title, const std::vector<ShownLaw>& laws, const PlotArguments& arguments) {
+  const std::filesystem::path& file = arguments.file;
+  std::vector<Figure> figures;
+  for (const ShownLaw& law : laws) {
+    LawFigureOptions options = options_of(arguments);
+    options.reference = law.reference;
+    figures.push_back(figure_of(law.title, law.notes, law.setting, options));
+  }
   const std::string text = file.extension() == ".svg" ? figure::draw(figures).svg : page_of(title, figures);
   write_whole(OutputFile(OutputFolder::containing(file), file.filename().string()), text);
 }
@@ -188,7 +195,8 @@ void PlotArguments::add_to(CLI::App& command) {
           "the pointer")
       ->type_name("FILE");
   command
-      .add_option("--set", sets, "With --plot: a parameter or input of the law, or a key of the scene. May be repeated")
+      .add_option("--set", sets,
+                  "With --plot or --at: a parameter or input of the law, or a key of the scene. May be repeated")
       ->type_name("NAME=VALUE")
       ->expected(1)
       ->allow_extra_args(false)
@@ -199,30 +207,38 @@ void PlotArguments::add_to(CLI::App& command) {
                   "[0.5:1.5, within the law's range]")
       ->type_name("FROM:TO");
   command
-      .add_option("--reference", reference, "With --plot: rest length, or rest value of an angle, area or volume [1]")
+      .add_option("--reference", reference,
+                  "With --plot or --at: rest length, or rest value of an angle, area or volume [1]")
       ->type_name("VALUE")
       ->check(number_between(above_zero, finite));
+  command
+      .add_option(
+          "--at", at,
+          "Print force, stiffness, energy and margin of laws at these lengths (m), angles (rad), areas, volumes or "
+          "relative speeds (m/s); of elements over several scalars at these stretches")
+      ->type_name("VALUE,…")
+      ->delimiter(',')
+      ->check(number_between(-finite, finite));
+  command.add_option("--rate", rate, "With --at: the rate of the value, in its unit per second [0]")
+      ->type_name("VALUE")
+      ->check(number_between(-finite, finite));
   command.add_option("--period", period, "With --plot: of the cycles of a law with internal states, s [1]")
       ->type_name("S")
       ->check(number_between(above_zero, finite));
 }
 
-std::vector<std::string> plot_components(const std::vector<std::shared_ptr<const Component>>& components,
+std::vector<ShownLaw> laws_of_components(const std::vector<std::shared_ptr<const Component>>& components,
                                          const PlotArguments& arguments) {
-  require_ending(arguments.file);
-  std::vector<Figure> figures;
+  std::vector<ShownLaw> laws;
   for (const auto& component : components)
-    if (is_law(*component)) figures.push_back(figure_of_component(*component, arguments));
-  if (figures.empty())
-    refuse(fmt::format("--plot: {} is no law; curves are of spring functions and viscosity functions",
+    if (is_law(*component)) laws.push_back(law_of_component(component, arguments));
+  if (laws.empty())
+    refuse(fmt::format("{} is no law; --plot and --at are for spring functions and viscosity functions",
                        title_of(*components.front())));
-  write_plot(std::string(components.front()->id()), figures, arguments.file);
-  return {};
+  return laws;
 }
 
-std::vector<std::string> plot_scene(const std::filesystem::path& file, const PluginHost& host,
-                                    const PlotArguments& arguments) {
-  require_ending(arguments.file);
+ShownScene laws_of_scene(const std::filesystem::path& file, const PluginHost& host, const PlotArguments& arguments) {
   std::vector<SceneOverride> overrides;
   for (const std::string& each : arguments.sets) overrides.push_back(parse_override(each));
   const Scene scene = load_scene(file, host, overrides);
@@ -238,27 +254,40 @@ std::vector<std::string> plot_scene(const std::filesystem::path& file, const Plu
     Users& of = users[element.material];
     if (of.elements++ == 0 && of.springs == 0) of.reference = std::abs(element.reference);
   }
-  std::vector<Figure> figures;
-  std::size_t left_out = 0;
+  ShownScene shown_scene;
   for (std::size_t k = 0; k < materials.size(); ++k) {
     if (users[k].springs + users[k].elements == 0) continue;
     const auto add = [&](const std::optional<LawUse>& use, ComponentKind kind) {
       if (!use) return;
-      if (figures.size() == most_figures) {
-        ++left_out;
+      if (shown_scene.laws.size() == most_laws) {
+        ++shown_scene.left_out;
         return;
       }
       const std::shared_ptr<const Component> component = use->component ? use->component : host.require(kind, use->id);
       const std::string text = text_of_users(users[k], *component);
-      figures.push_back(figure_of_use(*component, *use, users[k].reference, text, arguments));
+      shown_scene.laws.push_back(law_of_use(component, *use, users[k].reference, text, arguments));
     };
     add(materials[k].spring, ComponentKind::spring_function);
     add(materials[k].viscosity, ComponentKind::viscosity_function);
   }
-  if (figures.empty()) refuse(fmt::format("{}: no spring or element has a law", printable_message(file.string())));
-  write_plot(scene.title.empty() ? file.filename().string() : printable(scene.title, 100), figures, arguments.file);
-  if (left_out == 0) return {};
-  return {fmt::format("{} further laws of the scene's materials are not drawn", left_out)};
+  if (shown_scene.laws.empty())
+    refuse(fmt::format("{}: no spring or element has a law", printable_message(file.string())));
+  shown_scene.title = scene.title.empty() ? file.filename().string() : printable(scene.title, 100);
+  return shown_scene;
+}
+
+void plot_components(const std::vector<std::shared_ptr<const Component>>& components, const PlotArguments& arguments) {
+  require_ending(arguments.file);
+  write_plot(std::string(components.front()->id()), laws_of_components(components, arguments), arguments);
+}
+
+std::vector<std::string> plot_scene(const std::filesystem::path& file, const PluginHost& host,
+                                    const PlotArguments& arguments) {
+  require_ending(arguments.file);
+  const ShownScene scene = laws_of_scene(file, host, arguments);
+  write_plot(scene.title, scene.laws, arguments);
+  if (scene.left_out == 0) return {};
+  return {fmt::format("{} further laws of the scene's materials are not drawn", scene.left_out)};
 }
 
 }  // namespace springnet::tool

@@ -38,6 +38,7 @@ constexpr const char* plugin_show_examples = R"(Examples:
   springnet plugin show maxwell --sample > maxwell.toml    a scene that runs
   springnet plugin show nonlinear --plot curve.svg --set stiffness=3 --range 0.8:2
   springnet plugin show plastic --plot loop.html --set yield_tension=0.2 --period 10
+  springnet plugin show nonlinear --at 0.9,1.1 --set stiffness=3 --rate 0.5    its force at 0.9 m and 1.1 m
   springnet plugin show maxwell.toml --plot laws.html      all laws of a scene, formulas too
 
 Exit status:
@@ -350,7 +351,17 @@ void print_plotted(const std::vector<std::string>& notes, const std::filesystem:
 
 int show(const ShowArguments& arguments) {
   const auto& [plugins, id, only_kind, json, sample, plot] = arguments;
+  if (plot.file.empty() && plot.at.empty() && !plot.sets.empty())
+    throw Error(ErrorKind::input, "--set is for --plot and --at; add one of them");
   const auto host = plugins.load();
+  if (id.ends_with(".toml") && !plot.at.empty()) {
+    const std::vector<ShownLaw> laws = laws_of_scene(id, *host, plot).laws;
+    if (json)
+      print_json(values_json(laws, plot));
+    else
+      fmt::print("{}", values_text(laws, plot));
+    return done;
+  }
   if (id.ends_with(".toml") && !plot.file.empty()) {
     print_plotted(plot_scene(id, *host, plot), plot.file);
     return done;
@@ -380,8 +391,17 @@ int show(const ShowArguments& arguments) {
       message += fmt::format("\n  {}: {}", shown(refusal.file), refusal.reason);
     throw Error(ErrorKind::plugin, message);
   }
+  if (!plot.at.empty()) {
+    const std::vector<ShownLaw> laws = laws_of_components(found, plot);
+    if (json)
+      print_json(values_json(laws, plot));
+    else
+      fmt::print("{}", values_text(laws, plot));
+    return done;
+  }
   if (!plot.file.empty()) {
-    print_plotted(plot_components(found, plot), plot.file);
+    plot_components(found, plot);
+    print_plotted({}, plot.file);
     return done;
   }
   if (sample) {
@@ -433,8 +453,9 @@ void add_show(CLI::App& parent, Action& action) {
       command->add_flag("--sample", arguments->sample, "Print a whole scene that uses the component")->excludes(json);
   arguments->plot.add_to(*command);
   command->get_option("--plot")->excludes(json)->excludes(sample);
-  for (const char* option : {"--set", "--range", "--reference", "--period"})
-    command->get_option(option)->needs(command->get_option("--plot"));
+  command->get_option("--at")->excludes("--plot")->excludes(sample);
+  command->get_option("--rate")->needs("--at");
+  for (const char* option : {"--range", "--period"}) command->get_option(option)->needs("--plot");
   command->footer(plugin_show_examples);
   command->callback([arguments, &action] { action = [arguments] { return show(*arguments); }; });
 }

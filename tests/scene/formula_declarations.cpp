@@ -150,6 +150,7 @@ TEST_CASE("stretches and promises of a formula are checked") {
   refused(with("stretch = [1, 2, 3]"), "stretch: must have 2 elements, has 3");
   refused(with("stretch = [2, 1]"), "stretch.1: must be above the smallest stretch, 2, is 1");
   refused(with("stretch = [2, 2]"), "stretch.1: must be above the smallest");
+  refused(with("stretch = [-1, 2]"), "stretch.0: must be at least 0, as lengths are, is -1");
   refused(with("stretch = [nan, 2]"), "stretch.0: must be a number, is nan");
   refused(with("stretch = [0, nan]"), "stretch.1: must be a number, is nan");
   refused(with("stretch = [-inf, 2]"), "stretch.0: must be a finite number");
@@ -236,4 +237,13 @@ TEST_CASE("the elements of a material may have a formula, which gets its constan
           "stretch: has no meaning for a law over several scalars");
   refused(body(sheet, "law = { energy = \"k*a\", k = 1, scalars = { } }"), "scalars: lists none");
   refused(body(sheet, "law = { energy = \"k*a\", k = 1, scalars = { a = 3 } }"), "scalars.a: must be a text");
+}
+
+TEST_CASE("misspelt keys of a formula are told with the right ones") {
+  refused(spring("formulae = \"k*e\", k = 1"), "body.0.spring.formulae: is no key of a law | did you mean 'formula'");
+  refused(spring("enegry = \"k*e^2\", k = 1"), "body.0.spring.enegry: is no key of a law | did you mean 'energy'");
+  refused(spring("formula = \"k*(e - z)\", k = 1, state = { z = \"e\" }"), "did you mean 'states'");
+  refused(spring("formula = \"k*e\", k = 1, inputs_ = [\"a\"]"), "did you mean 'inputs'");
+  // A parameter whose name is near to a key is one.
+  CHECK(refusal(spring("formula = \"state*e\", state = 1")) == "");
 }

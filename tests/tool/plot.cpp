@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -167,6 +169,11 @@ TEST_CASE("mistakes in the arguments of a plot are told") {
   refused("muscle --plot a.svg --set activation=2", 2, "activation");
   refused("recurrent --plot a.svg", 2, "is no law");
   refused("linear --set stiffness=1", 2, "--plot");
+  refused("linear --range 0.5:1", 2, "--plot");
+  refused("linear --at 1 --plot a.svg", 2, "--plot");
+  refused("linear --at one", 2, "--at");
+  refused("linear --rate 1", 2, "--at");
+  refused("recurrent --at 1", 2, "is no law");
   refused("nothing.toml --plot a.svg", 2, "nothing.toml");
   refused("nothing.toml", 2, "cannot be read");
   refused("linear --kind spring --plot missing/a.svg", 2, "missing");
@@ -226,3 +233,30 @@ document.title = shown.join(" | ").replace(/\n/g, "; ");
         std::string::npos);
 }
 #endif
+
+TEST_CASE("plugin show --at prints what a law answers") {
+  const TemporaryFolder folder;
+  const auto columns = [&](const std::string& arguments) {
+    const Answer answer = testing::springnet(folder, "plugin show " + arguments + " --json");
+    CAPTURE(answer.err);
+    REQUIRE(answer.status == 0);
+    std::map<std::string, std::vector<double>> result;
+    for (const auto& column : answer.json()[0]["columns"])
+      result[column["name"].get<std::string>()] = column["values"].get<std::vector<double>>();
+    return result;
+  };
+  // 3 N/m (l - 2 m) by hand.
+  auto linear = columns("linear --kind spring --set stiffness=3 --reference 2 --at 1.5,2,2.25");
+  CHECK(linear.at("force") == std::vector<double>{-1.5, 0.0, 0.75});
+  CHECK(linear.at("stiffness") == std::vector<double>{3.0, 3.0, 3.0});
+  CHECK(linear.at("energy") == std::vector<double>{0.375, 0.0, 0.09375});
+  CHECK(columns("linear --kind viscosity --set damping=0.5 --at 1,2 --rate -4").at("force") ==
+        std::vector<double>{-2.0, -2.0});
+  std::ofstream(folder.path() / "scene.toml")
+      << "[simulation]\nduration = 1.0\ntime_step = 0.1\n[[body]]\nname = \"a\"\nnodes = [[0, 0, 0], [0.5, 0, 0]]\n"
+         "springs = [[0, 1]]\nneuron = { type = \"point_mass\", mass = 1.0 }\n"
+         "spring = { formula = \"k*e^3\", k = 2.0 }\n";
+  CHECK(columns("scene.toml --at 1.5").at("force") == std::vector<double>{2.0});
+  const Answer text = testing::springnet(folder, "plugin show scene.toml --at 1.5");
+  CHECK(text.out.find("length, m  force, N  stiffness, N/m") != std::string::npos);
+}
