@@ -1,5 +1,6 @@
 #include "files/checked_file.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -41,6 +42,46 @@ CheckedFile::CheckedFile(const OutputFile& file, std::string_view remedy)
   replace(nullptr, this);
 }
 
+void CheckedFile::End::archive(Archive& archive) {
+  archive.number(offset);
+  archive.number(time);
+  archive.flag(has_ended);
+}
+
+CheckedFile::CheckedFile(const OutputFile& file, const End& end, std::string_view remedy)
+    : file_(file),
+      remedy_(remedy),
+      descriptor_(-1),
+      buffer_(std::make_unique_for_overwrite<char[]>(capacity)),
+      written_(end.offset),
+      marked_(end.has_ended),
+      kept_{end.has_ended ? end.offset : 0, end.time} {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorKind::input, fmt::format("{}: {}; run again without resuming", file.path().string(), what));
+  };
+  const int opened = ::open(file.path().c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+  if (opened < 0) refuse(fmt::format("cannot be opened to go on with it: {}", std::strerror(errno)));
+  // Above the descriptors of the standard streams.
+  descriptor_ = ::fcntl(opened, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const int reason = errno;
+  ::close(opened);
+  if (descriptor_ < 0) refuse(fmt::format("cannot be opened to go on with it: {}", std::strerror(reason)));
+  try {
+    struct stat status;
+    if (fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode) || is_gone())
+      refuse("is no regular file of the folder");
+    if (static_cast<std::uint64_t>(status.st_size) < end.offset)
+      refuse(fmt::format("has {} bytes, and had {} at the checkpoint", status.st_size, end.offset));
+    if (ftruncate(descriptor_, static_cast<off_t>(end.offset)) != 0 ||
+        lseek(descriptor_, static_cast<off_t>(end.offset), SEEK_SET) < 0)
+      refuse(fmt::format("cannot be cut at the checkpoint: {}", std::strerror(errno)));
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+  replace(nullptr, this);
+}
+
 CheckedFile::~CheckedFile() {
   replace(this, nullptr);
   if (descriptor_ < 0) return;
@@ -73,6 +114,18 @@ void CheckedFile::write(const void* data, std::size_t bytes) {
 }
 
 void CheckedFile::flush() { write_out(used_); }
+
+CheckedFile::End CheckedFile::flushed_end() {
+  drop_unfinished();
+  flush();
+  return {written_, kept_.time, marked_};
+}
+
+void CheckedFile::sync() {
+  flush();
+  // A pipe, for instance, has no disk.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) fail(errno);
+}
 
 void CheckedFile::write_out(std::size_t bytes) {
   put(buffer_.get(), bytes);

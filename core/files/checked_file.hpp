@@ -17,6 +17,8 @@
 
 #include <springnet/output_folder.hpp>
 
+#include "text/archive.hpp"
+
 namespace springnet {
 
 // Writes through a buffer. Once a record has ended, anything after the last one is an unfinished record, which is cut
@@ -27,9 +29,20 @@ class CheckedFile {
       "make room, write to another disk, or record less often (output.interval)";
   static constexpr std::string_view make_room = "make room or write to another disk";
 
+  // Where a file ends.
+  struct End {
+    std::uint64_t offset = 0;                                // bytes
+    double time = std::numeric_limits<double>::quiet_NaN();  // s, of its last record; nan: it has none
+    bool has_ended = false;                                  // a record, or what precedes all of them
+    void archive(Archive& archive);
+  };
+
   // Creates the file; throws Error(input) if that fails. `remedy` ends the message of a failed write.
   explicit CheckedFile(const OutputFile& file, std::string_view remedy = record_less);
   // If still open, after an exception for instance: writes the complete records in the buffer, if possible.
+  // Goes on with a file that ended there, and cuts off what it has beyond. Throws Error(input) if it is shorter, or no
+  // regular file of its folder.
+  CheckedFile(const OutputFile& file, const End& end, std::string_view remedy = record_less);
   ~CheckedFile();
   CheckedFile(const CheckedFile&) = delete;
   CheckedFile& operator=(const CheckedFile&) = delete;
@@ -45,6 +58,7 @@ class CheckedFile {
   // These and room() throw OutputError if the file cannot be written.
   void write(const void* data, std::size_t bytes);
   void flush();
+  void sync();  // also waits until the bytes are on the disk
   // Throws OutputError as well if the file is no longer in its folder.
   void close();
 
@@ -52,6 +66,9 @@ class CheckedFile {
   void end_record(double time);
   // Drops what was written after the last record, if any has ended.
   void drop_unfinished();
+
+  // Writes what is in the buffer, and tells where the file ends; between records.
+  [[nodiscard]] End flushed_end();
 
   // For a document whose end is rewritten with each addition: sets where to write next, and restores the end after a
   // failure.

@@ -18,23 +18,37 @@ namespace {
 
 class TableSink : public Sink {
  public:
-  TableSink(const tables::Table& table, const OutputFile& file, const Scene& scene)
+  TableSink(const tables::Table& table, const OutputFile& file, const Scene& scene, bool resumes)
       : Sink(file.name()),
+        table_(table),
+        options_(scene.output),
         path_(file),
-        file_(tables::create(table, file, scene.network, scene.output)),
+        file_(resumes ? nullptr : tables::create(table, file, scene.network, scene.output)),
         rows_(table.writer(scene.network, scene.output)) {}
+
+  void archive(Archive& archive) override {
+    CheckedFile::End end;
+    if (!archive.reads()) end = file_->flushed_end();
+    end.archive(archive);
+    rows_.archive(archive);
+    if (archive.reads()) file_ = tables::go_on(table_, path_, options_, end);
+  }
 
   void record(const Record& record) override {
     file_->begin_record(record.time());
     rows_(record, *file_);
     file_->end_record();
   }
-  void close() override { file_->close(); }
+  void close() override {
+    if (file_) file_->close();
+  }
   [[nodiscard]] std::uintmax_t bytes() const override { return path_.folder()->size(path_.name()); }
 
  private:
+  const tables::Table& table_;
+  const OutputOptions& options_;
   OutputFile path_;
-  std::unique_ptr<TableFile> file_;
+  std::unique_ptr<TableFile> file_;  // null: to be resumed
   tables::RowWriter rows_;
 };
 
@@ -44,8 +58,10 @@ class TableOutput : public Output {
 
   [[nodiscard]] bool wanted(const Scene& scene) const override { return table_.wanted(scene.network, scene.output); }
   [[nodiscard]] std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>&,
-                                           const OutputFolder::Pointer& folder) const override {
-    return std::make_unique<TableSink>(table_, OutputFile(folder, tables::file_name(table_, scene.output)), scene);
+                                           const OutputFolder::Pointer& folder, bool resumes) const override {
+    const std::string name = tables::file_name(table_, scene.output);
+    // A new file replaces what has its name, a resumed one does not.
+    return std::make_unique<TableSink>(table_, OutputFile(folder, name), scene, resumes);
   }
   [[nodiscard]] std::optional<FileEstimate> estimate(const Scene& scene, double records) const override {
     return tables::estimate(table_, scene.network, scene.output, records);
@@ -67,6 +83,7 @@ class PageSink : public Sink {
   PageSink(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins)
       : Sink(file.name()), path_(file), page_(file, scene, ViewOptions{scene.output.view_size, plugins}) {}
 
+  void archive(Archive& archive) override { page_.archive(archive); }
   void record(const Record& record) override { page_.record(record); }
   void close() override { page_.close(); }
   void failed(const std::string& reason) override { page_.failed(reason); }
@@ -87,7 +104,7 @@ class PageOutput : public Output {
  public:
   [[nodiscard]] bool wanted(const Scene& scene) const override { return scene.output.view; }
   [[nodiscard]] std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                                           const OutputFolder::Pointer& folder) const override {
+                                           const OutputFolder::Pointer& folder, bool) const override {
     return std::make_unique<PageSink>(OutputFile(folder, view_file), scene, plugins);
   }
   [[nodiscard]] std::optional<FileEstimate> estimate(const Scene& scene, double) const override {
@@ -103,13 +120,18 @@ class PageOutput : public Output {
 // Writes records at an interval of its own, and the last one.
 class VtkSink : public Sink {
  public:
-  VtkSink(const OutputFile& folder, const Scene& scene)
+  VtkSink(const OutputFile& folder, const Scene& scene, bool resumes)
       : Sink(vtk_index_name()),
         folder_(folder),
-        series_(folder, scene.network, scene.output),
+        series_(folder, scene.network, scene.output, resumes),
         interval_(scene.output.vtk_interval),
         slack_(time_slack(scene.options.time_step, scene.duration)) {}
 
+  void archive(Archive& archive) override {
+    archive.number(next_);
+    archive.number(last_);
+    series_.archive(archive);
+  }
   void record(const Record& record) override {
     if (record.time() >= next_ - slack_) take(record);
   }
@@ -140,8 +162,8 @@ class VtkOutput : public Output {
  public:
   [[nodiscard]] bool wanted(const Scene& scene) const override { return scene.output.vtk; }
   [[nodiscard]] std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>&,
-                                           const OutputFolder::Pointer& folder) const override {
-    return std::make_unique<VtkSink>(OutputFile(folder, vtk_folder), scene);
+                                           const OutputFolder::Pointer& folder, bool resumes) const override {
+    return std::make_unique<VtkSink>(OutputFile(folder, vtk_folder), scene, resumes);
   }
   [[nodiscard]] std::optional<FileEstimate> estimate(const Scene& scene, double records) const override {
     const OutputOptions& options = scene.output;
@@ -215,6 +237,7 @@ std::uintmax_t earlier_bytes(const std::filesystem::path& path) {
   const auto add = [&](const OutputFolder& in, const std::string& name) { sum += in.size(name); };
   for (const auto& output : outputs()) output->visit_earlier(folder, add);
   for (const std::string& name : report_names()) visit_file(*folder, name, add);
+  visit_file(*folder, checkpoint_file, add);
   return sum;
 }
 
@@ -223,7 +246,13 @@ void remove_earlier(const OutputFolder::Pointer& folder) {
     for (const std::string& name : output->file_names()) folder->require_no_folder(name);
   }
   for (const std::string& name : report_names()) folder->require_no_folder(name);
+  folder->require_no_folder(checkpoint_file);
   for (const auto& output : outputs()) output->clear(folder);
+  remove_reports(folder);
+  for (const std::string& name : {std::string(checkpoint_file), part_name(checkpoint_file)}) folder->remove(name);
+}
+
+void remove_reports(const OutputFolder::Pointer& folder) {
   for (const std::string& name : report_names()) {
     visit_file(*folder, name, [](const OutputFolder& in, const std::string& file) { in.remove(file); });
   }

@@ -17,6 +17,7 @@
 #include <springnet/tables.hpp>
 
 #include "record/record.hpp"
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -28,6 +29,10 @@ class Sink {
   virtual ~Sink() = default;
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
+
+  // How far it is, with all records in its files; or, of one that was opened to resume, goes on from there: what its
+  // files have beyond is cut off. Throws Error(input) if they are not there.
+  virtual void archive(Archive& archive) = 0;
 
   virtual void record(const Record& record) = 0;
   // Called with the last record, which has been recorded, however the run ends. For sinks that skip records.
@@ -50,8 +55,9 @@ class Output {
   virtual ~Output() = default;
 
   [[nodiscard]] virtual bool wanted(const Scene& scene) const = 0;
+  // resumes: Sink::archive() opens the files, which are those of an earlier run.
   [[nodiscard]] virtual std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                                                   const OutputFolder::Pointer& folder) const = 0;
+                                                   const OutputFolder::Pointer& folder, bool resumes) const = 0;
 
   // For a run with this many records; empty if the size depends on events.
   [[nodiscard]] virtual std::optional<FileEstimate> estimate(const Scene& scene, double records) const = 0;
@@ -74,12 +80,15 @@ class Output {
 inline constexpr const char* summary_file = "summary.json";
 inline constexpr const char* profile_file = "profile.json";
 inline constexpr const char* trace_file = "trace.json";
+inline constexpr const char* checkpoint_file = "checkpoint";
 
 // Bytes of an earlier run's files in the folder, which the next one removes.
 [[nodiscard]] std::uintmax_t earlier_bytes(const std::filesystem::path& folder);
 // Removes them, so that nobody takes them for part of the next run. Throws Error(input), before anything is removed, if
 // a folder has the name of a file that a run writes.
 void remove_earlier(const OutputFolder::Pointer& folder);
+// The reports of a run, which one that resumes it writes anew.
+void remove_reports(const OutputFolder::Pointer& folder);
 
 struct OutputSize {
   const Output* output;

@@ -8,10 +8,17 @@
 namespace springnet {
 
 Recorder::Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                   const OutputFolder::Pointer& folder) {
-  remove_earlier(folder);
+                   const OutputFolder::Pointer& folder, bool resumes) {
+  if (!resumes) remove_earlier(folder);
   for (const auto& output : outputs()) {
-    if (output->wanted(scene)) entries_.push_back({output->open(scene, plugins, folder)});
+    if (output->wanted(scene)) entries_.push_back({output->open(scene, plugins, folder, resumes)});
+  }
+}
+
+void Recorder::archive(Archive& archive) {
+  for (Entry& entry : entries_) {
+    archive.number(entry.kept_until);
+    entry.sink->archive(archive);
   }
 }
 

@@ -16,8 +16,11 @@ namespace springnet {
 class Recorder {
  public:
   // Removes the files of an earlier run and creates those that the scene requests. Throws Error(input) if one cannot be
-  // created.
-  Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const OutputFolder::Pointer& folder);
+  // created. resumes: archive() opens those of an earlier run instead.
+  Recorder(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, const OutputFolder::Pointer& folder,
+           bool resumes = false);
+  // How far each of them is, between two records; or goes on from there.
+  void archive(Archive& archive);
 
   // Writes the record to every file. A file that fails ends with its last complete record; the others go on. Then
   // throws the first error of this record.

@@ -10,6 +10,7 @@
 #include "files/whole_file.hpp"
 #include "profile/stage.hpp"
 #include "record/record.hpp"
+#include "run/checkpoint.hpp"
 #include "run/outputs.hpp"
 #include "run/pace.hpp"
 #include "run/record_times.hpp"
@@ -36,7 +37,8 @@ void require_space(const Scene& scene, const RunOptions& options) {
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
   if (unknown) return;  // a file system that does not report its free space is no reason to refuse
-  const double trace = options.trace ? Profiler::trace_bytes(run_trace_events) : 0.0;
+  const double trace = (options.trace ? Profiler::trace_bytes(run_trace_events) : 0.0) +
+                       (options.checkpoint > 0.0 ? checkpoint_bytes(scene) : 0.0);
   const auto refusal = space_refusal(
       scene, {std::max(0.0, static_cast<double>(space.available) - trace), static_cast<double>(earlier_bytes(folder))},
       folder.string());
@@ -56,8 +58,9 @@ class MemoryReserve {
 // The simulation of a run with its records.
 class RunTimeline : public Timeline {
  public:
+  // checkpoint: s, 0: none.
   RunTimeline(const Scene& scene, Simulation& simulation, Recorder& recorder, const RunClock& clock,
-              MemoryReserve& memory, RunSummary& summary)
+              MemoryReserve& memory, double checkpoint, OutputFolder::Pointer folder, RunSummary& summary)
       : simulation_(simulation),
         recorder_(recorder),
         clock_(clock),
@@ -68,7 +71,26 @@ class RunTimeline : public Timeline {
         duration_(scene.duration),
         interval_(record_interval(scene)),
         slack_(time_slack(scene.options.time_step, scene.duration)),
-        next_record_(interval_) {}
+        next_record_(interval_),
+        scene_(scene),
+        folder_(std::move(folder)),
+        checkpoint_interval_(checkpoint),
+        next_checkpoint_(checkpoint) {}
+
+  // How far the run and its outputs are, besides the simulation.
+  void archive(Archive& archive) {
+    for (double* each : {&next_record_, &recorded_, &checkpoint_interval_, &next_checkpoint_, &summary_.output_wall})
+      archive.number(*each);
+    archive.flag(energy_is_finite_);
+    archive.number(summary_.records);
+    archive.same(summary_.volumes.size(), "enclosed volumes");
+    for (VolumeSummary& volume : summary_.volumes) {
+      for (double* each : {&volume.first, &volume.last, &volume.smallest, &volume.greatest}) archive.number(*each);
+      archive.flag(volume.leaked);
+    }
+    stepper_.archive(archive);
+    recorder_.archive(archive);
+  }
 
   [[nodiscard]] double time() const override { return simulation_.time(); }
   [[nodiscard]] bool has_ended() const override { return stepper_.has_reached(duration_); }
@@ -87,9 +109,11 @@ class RunTimeline : public Timeline {
   }
 
   void record_if_due() override {
-    if (!has_ended() && time() < next_record_ - slack_) return;
-    record();
-    next_record_ = next_multiple(interval_, time(), slack_);
+    if (has_ended() || time() >= next_record_ - slack_) {
+      record();
+      next_record_ = next_multiple(interval_, time(), slack_);
+    }
+    if (checkpoint_interval_ > 0.0 && !has_ended() && time() >= next_checkpoint_ - slack_) keep_checkpoint();
   }
 
   void record() {
@@ -115,9 +139,20 @@ class RunTimeline : public Timeline {
     recorder_.finish(state_);
   }
 
+  [[nodiscard]] double checkpoint_interval() const noexcept { return checkpoint_interval_; }  // s
   [[nodiscard]] const Stepper::Totals& totals() const noexcept { return stepper_.totals(); }
 
  private:
+  void keep_checkpoint() {
+    const profile::Stage stage("checkpoint");
+    next_checkpoint_ = next_multiple(checkpoint_interval_, time(), slack_);
+    std::string state = simulation_.save(), content;
+    Archive archive(&content);
+    archive.text(state);
+    this->archive(archive);
+    write_checkpoint(folder_, identity_of(scene_), content);
+  }
+
   void add(VolumeSummary& volume) const {
     volume.leaked = !simulation_.element_alive(volume.element);
     if (volume.leaked && summary_.records > 0) return;
@@ -138,6 +173,9 @@ class RunTimeline : public Timeline {
   double next_record_;                                          // s
   double recorded_ = -std::numeric_limits<double>::infinity();  // s, when last
   bool energy_is_finite_ = true;
+  const Scene& scene_;
+  OutputFolder::Pointer folder_;
+  double checkpoint_interval_, next_checkpoint_;  // s
 };
 
 // Simulates to the end, or until the progress callback stops it. Throws any other reason for its end.
@@ -148,7 +186,7 @@ void simulate(RunTimeline& timeline, const Scene& scene, const Simulation& simul
     return !options.progress ||
            options.progress({simulation.time(), scene.duration, simulation.steps(), clock.now() - start});
   };
-  timeline.record();
+  if (!options.resume) timeline.record();
   const bool ended = advance_to_end(timeline, pace, go_on);
   summary.outcome = ended ? name_of(timeline.totals().worst) : "stopped";
   timeline.record_end();
@@ -269,6 +307,9 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   const RunClock clock = clock_or_system(options.clock);
   std::optional<Pace> pace;
   if (options.realtime != 0.0) pace.emplace(options.realtime, 0.0, clock);
+  if (!(options.checkpoint >= 0.0 && std::isfinite(options.checkpoint)))
+    throw Error(ErrorKind::input,
+                fmt::format("checkpoint: must be a time above 0 s, or 0 for none, is {} s", options.checkpoint));
   check_starts(scene);
   SimulationOptions simulated = scene.options;
   if (scene.output.energies) simulated.dissipated_energy = true;
@@ -287,9 +328,27 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   MemoryReserve memory;
   std::optional<Recorder> recorder;  // none if not even the headers of its files could be written
   std::optional<RunTimeline> timeline;
+  const auto begin = [&] {
+    recorder.emplace(scene, plugins, folder, options.resume);
+    timeline.emplace(scene, simulation, *recorder, clock, memory, options.checkpoint, folder, summary);
+  };
+  if (options.resume) {
+    const std::string content = read_checkpoint(folder, identity_of(scene));
+    Archive archive{std::string_view(content)};
+    std::string state;
+    archive.text(state);
+    simulation.restore(state);
+    begin();
+    timeline->archive(archive);
+    if (options.checkpoint > 0.0 && options.checkpoint != timeline->checkpoint_interval())
+      throw Error(ErrorKind::input,
+                  fmt::format("--checkpoint is {} s, and was {} s in the run that is to be resumed; leave it out",
+                              options.checkpoint, timeline->checkpoint_interval()));
+    remove_reports(folder);
+    if (pace) pace.emplace(options.realtime, simulation.time(), clock);
+  }
   capture_failure(summary, [&] {
-    recorder.emplace(scene, plugins, folder);
-    timeline.emplace(scene, simulation, *recorder, clock, memory, summary);
+    if (!timeline) begin();
     setting_up.reset();
     simulate(*timeline, scene, simulation, pace ? &*pace : nullptr, clock, options, summary);
   });
@@ -305,6 +364,8 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
     capture_failure(summary, [&] { recorder->close(); });
   }
   whole.reset();
+  // A run that failed or was stopped can be resumed.
+  if (!summary.failure && summary.outcome != "stopped") folder->remove(checkpoint_file);
 
   if (timeline) add(timeline->totals(), summary);
   if (pace) summary.pace = pace->report();

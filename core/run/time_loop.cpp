@@ -47,6 +47,14 @@ void Stepper::count(const StepReport& report) {
       std::isnan(totals_.largest_residual) ? report.residual : std::max(totals_.largest_residual, report.residual);
 }
 
+void Stepper::archive(Archive& archive) {
+  archive.below(totals_.worst, 5, "an outcome");
+  for (std::uint64_t* each : {&totals_.unsettled, &totals_.divided, &totals_.substeps, &totals_.stages})
+    archive.number(*each);
+  for (double* each : {&totals_.largest_residual, &totals_.last_residual, &totals_.spring_updates, &totals_.wall})
+    archive.number(*each);
+}
+
 bool advance_to_end(Timeline& timeline, Pace* pace, const std::function<bool()>& go_on) {
   while (!timeline.has_ended()) {
     if (pace != nullptr) {

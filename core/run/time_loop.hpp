@@ -9,6 +9,7 @@
 #include <springnet/simulation.hpp>
 
 #include "run/pace.hpp"
+#include "text/archive.hpp"
 
 namespace springnet {
 
@@ -38,6 +39,7 @@ class Stepper {
     double wall = 0.0;                                                   // s, of the clock
   };
   [[nodiscard]] const Totals& totals() const noexcept { return totals_; }
+  void archive(Archive& archive);  // the totals
 
  private:
   void count(const StepReport& report);

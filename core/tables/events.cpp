@@ -1,4 +1,5 @@
 #include <array>
+#include <memory>
 
 #include "tables/names.hpp"
 #include "tables/table.hpp"
@@ -48,10 +49,12 @@ Table events() {
       .wanted = [](const Network&, const OutputOptions&) { return true; },
       .leave_out_hint = "",
       .writer = [](const Network&, const OutputOptions&) -> RowWriter {
-        return [written = std::size_t{0}](const Record& record, TableFile& file) mutable {
-          const std::vector<Event>& events = record.simulation().events();
-          for (; written < events.size(); ++written) write(events[written], record.simulation(), file);
-        };
+        const auto written = std::make_shared<std::uint64_t>(0);
+        return {[written](const Record& record, TableFile& file) {
+                  const std::vector<Event>& events = record.simulation().events();
+                  for (; *written < events.size(); ++*written) write(events[*written], record.simulation(), file);
+                },
+                [written](Archive& archive) { archive.number(*written); }};
       },
   };
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -49,6 +50,7 @@ class Rows {
       file << node << reaction << torque << impulse << labels_of(simulation, simulation.surfaces_of(node));
     }
   }
+  void archive(Archive& archive) { archive.vectors(impulses_, "impulses"); }
 
  private:
   std::vector<NodeIndex> nodes_;
@@ -75,7 +77,9 @@ Table reactions() {
       .leave_out_hint = "leave out {} (output.reactions = false)",
       .rows = count_rows,
       .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
-        return Rows(network, options);
+        const auto rows = std::make_shared<Rows>(network, options);
+        return {[rows](const Record& record, TableFile& file) { (*rows)(record, file); },
+                [rows](Archive& archive) { rows->archive(archive); }};
       },
   };
 }

@@ -82,6 +82,12 @@ std::unique_ptr<TableFile> create(const Table& table, const OutputFile& file, co
                                      is_binary(table, options) ? std::optional(options.precision) : std::nullopt);
 }
 
+std::unique_ptr<TableFile> go_on(const Table& table, const OutputFile& file, const OutputOptions& options,
+                                 const CheckedFile::End& end) {
+  return std::make_unique<TableFile>(file, end,
+                                     is_binary(table, options) ? std::optional(options.precision) : std::nullopt);
+}
+
 std::optional<FileEstimate> estimate(const Table& table, const Network& network, const OutputOptions& options,
                                      double records) {
   if (table.rows == nullptr && table.numbers == nullptr) return std::nullopt;

@@ -5,12 +5,14 @@
 // describe it in core/docs/output.md; a test reports what the page lacks.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -19,6 +21,7 @@
 
 #include "record/record.hpp"
 #include "tables/table_file.hpp"
+#include "text/archive.hpp"
 
 namespace springnet::tables {
 
@@ -44,8 +47,24 @@ struct RowCount {
   double text = 0.0;         // characters in the columns of text, of all rows
 };
 
-// Writes the rows of a record. It may keep state from record to record.
-using RowWriter = std::function<void(const Record&, TableFile&)>;
+// Writes the rows of a record. What it keeps from record to record, its `memory` archives.
+class RowWriter {
+ public:
+  using Write = std::function<void(const Record&, TableFile&)>;
+  using Memory = std::function<void(Archive&)>;
+  template <class Function>
+  requires std::convertible_to<Function, Write> RowWriter(Function write, Memory memory = {})
+      : write_(std::move(write)), memory_(std::move(memory)) {}
+
+  void operator()(const Record& record, TableFile& file) const { write_(record, file); }
+  void archive(Archive& archive) const {
+    if (memory_) memory_(archive);
+  }
+
+ private:
+  Write write_;
+  Memory memory_;
+};
 
 struct Table {
   std::string_view name;     // of the file, without its ending
@@ -77,6 +96,9 @@ struct Table {
 [[nodiscard]] TableForm form_of(const Table& table, const Network& network, const OutputOptions& options);
 [[nodiscard]] std::unique_ptr<TableFile> create(const Table& table, const OutputFile& file, const Network& network,
                                                 const OutputOptions& options);
+// Goes on with one that ended there.
+[[nodiscard]] std::unique_ptr<TableFile> go_on(const Table& table, const OutputFile& file, const OutputOptions& options,
+                                               const CheckedFile::End& end);
 
 // For a run with this many records; empty if the size depends on events.
 [[nodiscard]] std::optional<FileEstimate> estimate(const Table& table, const Network& network,

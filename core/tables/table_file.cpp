@@ -17,6 +17,15 @@ TableFile::TableFile(const OutputFile& file, const TableForm& form, std::optiona
   numbers_->flush();
 }
 
+TableFile::TableFile(const OutputFile& file, const CheckedFile::End& end,
+                     std::optional<OutputOptions::Precision> binary)
+    : binary_(binary) {
+  if (binary_)
+    numbers_.emplace(file, end);
+  else
+    text_.emplace(file, end);
+}
+
 void TableFile::begin_record(double time) {
   time_ = time;
   row_is_open_ = false;

@@ -19,6 +19,8 @@ class TableFile {
   // Creates the file and writes its header: binary with this precision, if given, or text.
   // Throws Error(input) if the file cannot be created, OutputError, as all below, if it cannot be written.
   TableFile(const OutputFile& file, const TableForm& form, std::optional<OutputOptions::Precision> binary = {});
+  // Goes on with one that ended there; throws Error(input) if that cannot be.
+  TableFile(const OutputFile& file, const CheckedFile::End& end, std::optional<OutputOptions::Precision> binary);
 
   // Begins the record of this time, s, and drops a record that an exception left unfinished.
   void begin_record(double time);
@@ -49,6 +51,8 @@ class TableFile {
   TableFile& operator<<(std::string_view text);  // in text only
   void end_record();
 
+  // Writes all records to the file, and tells where it ends.
+  [[nodiscard]] CheckedFile::End flushed_end() { return text_ ? text_->flushed_end() : numbers_->flushed_end(); }
   void close();
 
  private:

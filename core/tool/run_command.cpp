@@ -26,6 +26,8 @@ constexpr const char* run_examples =
   springnet run cube/cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
   springnet run cube/cube.toml --set output.interval=0.5 --set output.vtk=true
   springnet run cube/cube.toml --profile         shows which stages and laws take the time
+  springnet run cube/cube.toml --checkpoint 0.5           and after it was killed:
+  springnet run cube/cube.toml --resume
   springnet run cube/cube.toml --realtime=4      keeps pace with four times real time, and counts late time steps
 
 Exit status:
@@ -52,6 +54,7 @@ std::string run_footer() {
   view.html        a page that plays the run, unless output.view = false
   summary.json     outcome and statistics of the run
   profile.json     time of each stage, with --profile
+  checkpoint       with --checkpoint, while the run has not reached its end
   trace.json       their course for ui.perfetto.dev or chrome://tracing, with --trace
 With output.format = "binary" these are .bin files, which 'springnet convert' converts to text: {}.
 
@@ -65,6 +68,8 @@ struct RunArguments {
   OutputArguments output;
   bool profile = false;
   bool trace = false;
+  double checkpoint = 0.0;
+  bool resume = false;
   std::string realtime;  // simulated seconds per second of the clock, "true": 1; empty: as fast as possible
 };
 
@@ -159,6 +164,13 @@ std::string result_text(const RunSummary& summary, const std::filesystem::path& 
   return text;
 }
 
+// What follows a sentence before its full stop.
+std::string resume_hint(const std::filesystem::path& folder) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(folder / "checkpoint", unknown)) return "";
+  return "; with --resume the run goes on from its last checkpoint";
+}
+
 // "The output up to 101 s is kept in out, except trajectory.csv: up to 80 s."
 std::string kept_text(const RunSummary& summary, const std::filesystem::path& folder) {
   if (summary.records == 0) return "Nothing was recorded.";
@@ -168,8 +180,8 @@ std::string kept_text(const RunSummary& summary, const std::filesystem::path& fo
     shorter.push_back(std::isnan(file.until) ? fmt::format("{}: no record", file.file)
                                              : fmt::format("{}: up to {:g} s", file.file, file.until));
   }
-  return fmt::format("The output up to {:g} s is kept in {}{}.", summary.simulated, folder.string(),
-                     shorter.empty() ? "" : fmt::format(", except {}", fmt::join(shorter, ", ")));
+  return fmt::format("The output up to {:g} s is kept in {}{}{}.", summary.simulated, folder.string(),
+                     shorter.empty() ? "" : fmt::format(", except {}", fmt::join(shorter, ", ")), resume_hint(folder));
 }
 
 int run(const RunArguments& arguments) {
@@ -200,6 +212,8 @@ int run(const RunArguments& arguments) {
   options.folder = folder;
   options.profile = arguments.profile;
   options.trace = arguments.trace;
+  options.checkpoint = arguments.checkpoint;
+  options.resume = arguments.resume;
   options.scene_name = arguments.scene.file.string();
   if (!arguments.realtime.empty()) {
     options.realtime = arguments.realtime == "true" ? 1.0 : std::stod(arguments.realtime);
@@ -221,8 +235,8 @@ int run(const RunArguments& arguments) {
     return status_of(*summary.failure);
   }
   if (summary.outcome == "stopped") {
-    print_error(
-        fmt::format("stopped at {:g} s; the output up to then is kept in {}", summary.simulated, folder.string()));
+    print_error(fmt::format("stopped at {:g} s; the output up to then is kept in {}{}", summary.simulated,
+                            folder.string(), resume_hint(folder)));
     return failed;
   }
   return done;
@@ -242,6 +256,17 @@ void add_run(CLI::App& app, Action& action) {
           "is a frame that starts when it is due; late frames are counted, none is skipped")
       ->type_name("[=FACTOR]")
       ->check(factor_or_true());
+  command
+      ->add_option(
+          "--checkpoint", arguments->checkpoint,
+          "Keep a checkpoint in the output folder, from which --resume goes on: the end of the first time step at "
+          "or after each multiple of so many simulated seconds")
+      ->type_name("S")
+      ->check(number_between(above_zero, finite));
+  command->add_flag(
+      "--resume", arguments->resume,
+      "Go on from the checkpoint in the output folder, after a run that was stopped, killed or ran out of "
+      "room: the files become those of an undisturbed run with the same --checkpoint");
   command->add_flag("--profile", arguments->profile,
                     "Measure where the time goes: print the share of each stage, law and output, and write all of them "
                     "to profile.json");

@@ -16,6 +16,14 @@ Frames::Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expe
       contact((widths.nodes + 7) / 8, std::min(capacity, expected) + 1),
       capacity_(std::max<std::size_t>(capacity, 2)) {}
 
+void Frames::archive(Archive& archive) {
+  archive.number(stride_);
+  archive.number(recorded_);
+  archive.below(count_, capacity_ + 1, "a frame of the page");
+  if (stride_ == 0) Archive::refuse("the stride of frames is 0");
+  each([&](auto& rows) { rows.archive(archive, count_); });
+}
+
 void Frames::begin() {
   // The latest record stands in for the last one until another comes.
   if (count_ > 0 && (recorded_ - 1) % stride_ != 0) {

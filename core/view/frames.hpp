@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "text/archive.hpp"
+
 namespace springnet::view {
 
 // Rows of equal width, one per frame.
@@ -22,6 +24,11 @@ class Rows {
     if (from != to) std::copy_n(numbers_.begin() + at(from), width_, numbers_.begin() + at(to));
   }
   void shrink(std::size_t frames) { numbers_.resize(frames * width_); }
+  void archive(Archive& archive, std::size_t frames) {
+    if (archive.reads() && frames * width_ > archive.left() / sizeof(Number)) Archive::refuse("frames end too early");
+    shrink(frames);
+    archive.numbers(numbers_.data(), numbers_.size());
+  }
   [[nodiscard]] const std::vector<Number>& numbers() const noexcept { return numbers_; }
 
  private:
@@ -41,6 +48,8 @@ struct FrameWidths {
 class Frames {
  public:
   Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expected);
+
+  void archive(Archive& archive);
 
   // Makes room for the next record: the last row of each of the members below.
   void begin();

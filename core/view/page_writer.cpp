@@ -95,6 +95,21 @@ void PageWriter::record(const Record& record) {
               content_.frames.states.last());
 }
 
+void PageWriter::archive(Archive& archive) {
+  content_.frames.archive(archive);
+  std::vector<Removal>& removed = content_.removed;
+  constexpr std::size_t least = sizeof(SpringIndex) + sizeof(double) + sizeof(std::uint64_t) + 1;
+  removed.resize(archive.count(removed.size(), least, "removed springs"));
+  for (Removal& each : removed) {
+    archive.below(each.spring, content_.scene.network.springs().size(), "a removed spring");
+    archive.number(each.time);
+    archive.number(each.record);
+    archive.flag(each.ruptured);
+  }
+  archive.numbers(counts_.data(), counts_.size());
+  archive.number(events_read_);
+}
+
 void PageWriter::take_events(const Simulation& simulation) {
   const std::vector<Event>& all = simulation.events();
   for (; events_read_ < all.size(); ++events_read_) {

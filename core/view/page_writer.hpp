@@ -25,6 +25,8 @@ class PageWriter {
   PageWriter& operator=(const PageWriter&) = delete;
 
   void record(const Record& record);
+  // What it has kept of the records so far.
+  void archive(Archive& archive);
   void failed(const std::string& reason) { content_.failure = reason; }
   void close();  // throws OutputError
   [[nodiscard]] const std::vector<std::string>& left_out() const noexcept { return left_out_; }

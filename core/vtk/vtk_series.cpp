@@ -1,6 +1,7 @@
 #include "vtk/vtk_series.hpp"
 
 #include <algorithm>
+#include <charconv>
 
 #include <fmt/format.h>
 #include <springnet/vtk.hpp>
@@ -20,6 +21,14 @@ constexpr std::string_view net_stem = "net_", surface_stem = "surfaces_";
 
 std::string net_name(std::size_t record) { return fmt::format("{}{:06}.vtu", net_stem, record); }
 std::string surface_name(std::size_t record) { return fmt::format("{}{:06}.vtp", surface_stem, record); }
+
+// Of a name of one of these; the greatest number for one that is too long.
+std::size_t number_of(std::string_view name) {
+  const char* const digits = name.data() + name.find_first_of("0123456789");
+  std::size_t number = 0;
+  const auto read = std::from_chars(digits, name.data() + name.size(), number);
+  return read.ec == std::errc() ? number : std::numeric_limits<std::size_t>::max();
+}
 
 std::string entry(double time, int part, std::string_view name, std::string_view file) {
   return fmt::format("    <DataSet timestep=\"{}\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n", time, part, name, file);
@@ -74,17 +83,31 @@ double vtk_index_bytes(const Network& network, double records) {
   return records * record + static_cast<double>(index_begin.size() + index_close.size());
 }
 
-VtkSeries::VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options)
-    : folder_(make(folder)),
-      precision_(options.precision),
-      net_(network, states_of(options)),
-      surfaces_(network),
-      index_({folder_, index_name}) {
-  index_.write(index_begin.data(), index_begin.size());
+VtkSeries::VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options, bool resumes)
+    : folder_(make(folder)), precision_(options.precision), net_(network, states_of(options)), surfaces_(network) {
+  if (resumes) return;
+  index_.emplace(OutputFile(folder_, index_name));
+  index_->write(index_begin.data(), index_begin.size());
   index_end_ = index_begin.size();
-  index_.write(index_close.data(), index_close.size());
-  index_.flush();
+  index_->write(index_close.data(), index_close.size());
+  index_->flush();
   bytes_ = index_end_ + index_close.size();
+}
+
+void VtkSeries::archive(Archive& archive) {
+  CheckedFile::End end;
+  if (!archive.reads()) end = index_->flushed_end();
+  end.archive(archive);
+  archive.number(index_end_);
+  archive.number(bytes_);
+  archive.number(records_);
+  archive.number(last_);
+  if (!archive.reads()) return;
+  index_.emplace(OutputFile(folder_, index_name), end);
+  // The end may be that of a later entry.
+  index_->restore_end(index_end_, index_close);
+  for (const std::string& name : vtk_series_files(*folder_))
+    if (name != index_name && number_of(name) >= records_) folder_->remove(name);
 }
 
 void VtkSeries::record(const Record& record) {
@@ -105,7 +128,7 @@ void VtkSeries::record(const Record& record) {
 void VtkSeries::drop_last() {
   folder_->remove(net_name(records_));
   folder_->remove(surface_name(records_));
-  index_.restore_end(index_end_, index_close);
+  index_->restore_end(index_end_, index_close);
 }
 
 void VtkSeries::write_pictures(const Record& record) {
@@ -124,9 +147,9 @@ void VtkSeries::write_pictures(const Record& record) {
   // Replaces the closing tags and appends them again in one write, so that a reader always finds a complete document.
   const std::size_t added = entries.size();
   entries += index_close;
-  index_.seek(index_end_);
-  index_.write(entries.data(), entries.size());
-  index_.flush();
+  index_->seek(index_end_);
+  index_->write(entries.data(), entries.size());
+  index_->flush();
   index_end_ += added;
   bytes_ += bytes + added;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,13 @@ inline constexpr const char* vtk_folder = "vtk";
 
 class VtkSeries {
  public:
-  VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options);
+  // resumes: archive() opens the files of an earlier run in place of new ones.
+  VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options, bool resumes = false);
+  // How far it is, between two pictures; or goes on from there, without the pictures that came later.
+  void archive(Archive& archive);
   // Throws OutputError if a picture cannot be written; the series then ends with the one before.
   void record(const Record& record);
-  void close() { index_.close(); }
+  void close() { index_->close(); }
   [[nodiscard]] std::uintmax_t bytes() const noexcept { return bytes_; }
 
  private:
@@ -39,8 +43,8 @@ class VtkSeries {
   OutputOptions::Precision precision_;
   VtkNet net_;
   VtkSurfaces surfaces_;
-  CheckedFile index_;
-  std::uint64_t index_end_ = 0;  // where the next entry goes
+  std::optional<CheckedFile> index_;  // none until it is opened
+  std::uint64_t index_end_ = 0;       // where the next entry goes
   std::uintmax_t bytes_ = 0;
   std::size_t records_ = 0;
   double last_ = std::numeric_limits<double>::quiet_NaN();  // s, of the last picture

@@ -69,6 +69,13 @@ struct RunOptions {
   // viewer of traces (core/docs/output.md). If the scene has a profiler, it records for both.
   bool profile = false;
   bool trace = false;
+  // Above 0: keep a checkpoint in the folder, of the first time step that ends at or after each multiple of so many
+  // simulated seconds. The integrator drops its history there (Simulation::save()), so that a run that resumes writes
+  // the same bytes as one that was not disturbed. It is removed when the run has reached its end.
+  double checkpoint = 0.0;  // s
+  // Go on from the checkpoint in the folder: the files go on where they ended then, what they have beyond is cut off.
+  // `checkpoint` 0: as before. Throws Error(input) if there is none, or it is of another scene, options or version.
+  bool resume = false;
   LoadingCallback loading{};  // called before the first time step, where setting up takes time
 };
 

@@ -1,0 +1,135 @@
+#include "run/checkpoint.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <springnet/printable.hpp>
+#include <springnet/version.hpp>
+
+#include "files/input_file.hpp"
+#include "files/whole_file.hpp"
+#include "run/outputs.hpp"
+#include "run/record_times.hpp"
+#include "text/archive.hpp"
+#include "vtk/vtk_series.hpp"
+
+namespace springnet {
+
+namespace {
+
+constexpr std::string_view heading = "springnet checkpoint 1\n";
+
+std::uint32_t sum_of(std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<z_size_t>(bytes.size())));
+}
+
+[[noreturn]] void refuse(const OutputFolder& folder, const std::string& what) {
+  throw Error(ErrorKind::input, fmt::format("{}: {}", (folder.path() / checkpoint_file).string(), what));
+}
+
+// Whatever files there are: tables, and pictures since the checkpoint before.
+void sync_files(const OutputFolder& folder) {
+  const int descriptor = ::open(folder.path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // what cannot be opened is told when a file is written
+  [[maybe_unused]] const int failed = ::syncfs(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
+RunIdentity identity_of(const Scene& scene) {
+  const OutputOptions& output = scene.output;
+  RunIdentity identity{{"version of springnet", std::string(version())},
+                       {"duration", fmt::format("{} s", scene.duration)},
+                       {"time step", fmt::format("{} s", scene.options.time_step)},
+                       {"output.interval", fmt::format("{} s", record_interval(scene))},
+                       {"output.vtk_interval", fmt::format("{} s", output.vtk_interval)},
+                       {"output.view_size", fmt::format("{} bytes", output.view_size)},
+                       {"output.precision", output.precision == OutputOptions::Precision::float64 ? "64" : "32"}};
+  std::string files;
+  for (const auto& each : outputs()) {
+    if (!each->wanted(scene)) continue;
+    for (const std::string& name : each->file_names()) files += (files.empty() ? "" : ", ") + name;
+    if (each->file_names().empty()) files += (files.empty() ? "" : ", ") + vtk_index_name();
+  }
+  identity.emplace_back("output files", files);
+  const auto count = [](std::size_t nodes) { return std::to_string(nodes); };
+  identity.emplace_back("nodes", count(scene.network.nodes().size()));
+  identity.emplace_back("springs", count(scene.network.springs().size()));
+  return identity;
+}
+
+void write_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& identity, std::string_view content) {
+  sync_files(*folder);
+  std::string bytes;
+  Archive archive(&bytes);
+  static_cast<void>(archive.count(identity.size(), 1, "properties"));
+  for (auto [name, value] : identity) {
+    archive.text(name);
+    archive.text(value);
+  }
+  bytes += content;
+  std::string head(heading);
+  Archive around(&head);
+  std::uint64_t size = bytes.size();
+  std::uint32_t sum = sum_of(bytes);
+  around.number(size);
+  around.number(sum);
+  WholeFile file({folder, checkpoint_file});
+  file.stream() << head << bytes;
+  file.finish(true);
+}
+
+std::string read_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& identity) {
+  const OutputFolder::Kind kind = folder->kind(checkpoint_file);
+  if (kind == OutputFolder::Kind::none)
+    refuse(*folder,
+           "there is none: the run has reached its end, or was stopped before the first one, or was run without "
+           "--checkpoint; "
+           "run without --resume");
+  if (kind != OutputFolder::Kind::file) refuse(*folder, "is no regular file; remove it, and run without --resume");
+  InputFile in(folder->path() / checkpoint_file);
+  constexpr std::size_t head_size = heading.size() + sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  std::string head, bytes;
+  in.read(head, head_size);
+  if (head.size() < head_size || !head.starts_with(heading))
+    refuse(*folder, fmt::format("is no checkpoint of springnet {}, which begins with '{}'", version(),
+                                heading.substr(0, heading.size() - 1)));
+  Archive around(std::string_view(head).substr(heading.size()));
+  std::uint64_t size = 0;
+  std::uint32_t sum = 0;
+  around.number(size);
+  around.number(sum);
+  in.read(bytes, size);
+  if (bytes.size() != size || sum_of(bytes) != sum)
+    refuse(*folder, fmt::format("is damaged: {}; run without --resume",
+                                bytes.size() != size ? fmt::format("it has {} bytes in place of {}", bytes.size(), size)
+                                                     : std::string("its checksum is another one")));
+  Archive archive{std::string_view(bytes)};
+  const std::size_t count = archive.count(0, 2 * sizeof(std::uint64_t), "properties");
+  if (count != identity.size()) refuse(*folder, "is of another version of springnet; run without --resume");
+  for (const auto& [name, value] : identity) {
+    std::string its_name, its_value;
+    archive.text(its_name);
+    archive.text(its_value);
+    if (its_name != name || its_value != value)
+      refuse(*folder, fmt::format("is of another run: {}: {} there, {} now; undo the change, or run without --resume",
+                                  name, printable(its_value, 200), printable(value, 200)));
+  }
+  return bytes.substr(bytes.size() - archive.left());
+}
+
+double checkpoint_bytes(const Scene& scene) {
+  constexpr double per_node = 9.0 * sizeof(double);  // positions, velocities, forces
+  const double page = scene.output.view ? scene.output.view_size : 0.0;
+  return 2.0 * (per_node * static_cast<double>(scene.network.nodes().size()) + page);
+}
+
+}  // namespace springnet
