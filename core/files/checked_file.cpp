@@ -74,6 +74,12 @@ void CheckedFile::write(const void* data, std::size_t bytes) {
 
 void CheckedFile::flush() { write_out(used_); }
 
+void CheckedFile::sync() {
+  flush();
+  // A pipe, for instance, has no disk.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) fail(errno);
+}
+
 void CheckedFile::write_out(std::size_t bytes) {
   put(buffer_.get(), bytes);
   used_ -= bytes;

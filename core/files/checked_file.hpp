@@ -45,6 +45,7 @@ class CheckedFile {
   // These and room() throw OutputError if the file cannot be written.
   void write(const void* data, std::size_t bytes);
   void flush();
+  void sync();  // also waits until the bytes are on the disk
   // Throws OutputError as well if the file is no longer in its folder.
   void close();
 

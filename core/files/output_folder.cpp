@@ -140,6 +140,8 @@ int OutputFolder::rename(const std::string& from, const std::string& to) const n
   return renameat(descriptor_, from.c_str(), descriptor_, to.c_str()) == 0 ? 0 : errno;
 }
 
+void OutputFolder::sync() const noexcept { [[maybe_unused]] const int failed = ::fsync(descriptor_); }
+
 OutputFolder::Kind OutputFolder::kind(const std::string& name) const noexcept {
   struct stat found;
   if (fstatat(descriptor_, name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) return Kind::none;

@@ -29,8 +29,9 @@ WholeFile::~WholeFile() {
   if (!finished_) file_.folder()->remove(part_.name());
 }
 
-void WholeFile::finish() {
+void WholeFile::finish(bool on_disk) {
   stream_.flush();
+  if (on_disk) out_.sync();
   out_.close();
   const int reason = file_.folder()->rename(part_.name(), file_.name());
   if (reason != 0) {
@@ -39,6 +40,7 @@ void WholeFile::finish() {
                       std::numeric_limits<double>::quiet_NaN());
   }
   finished_ = true;
+  if (on_disk) file_.folder()->sync();
 }
 
 std::streamsize WholeFile::Buffer::xsputn(const char* text, std::streamsize count) {

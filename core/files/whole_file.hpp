@@ -17,8 +17,9 @@ class WholeFile {
   WholeFile& operator=(const WholeFile&) = delete;
 
   [[nodiscard]] std::ostream& stream() noexcept { return stream_; }  // throws OutputError if it cannot be written
-  // Closes it and gives it its name. Throws OutputError if it cannot be written.
-  void finish();
+  // Closes it and gives it its name. Throws OutputError if it cannot be written. on_disk: waits until the file, then
+  // its name, are on the disk, so that a crash of the machine leaves the file before or this one.
+  void finish(bool on_disk = false);
 
  private:
   class Buffer : public std::streambuf {

@@ -77,6 +77,8 @@ class SPRINGNET_API OutputFolder {
   bool remove_empty_folder(const std::string& name) const noexcept;
   // Replaces an entry of the new name. Returns 0 or errno.
   [[nodiscard]] int rename(const std::string& from, const std::string& to) const noexcept;
+  // Waits until the names in it are on the disk, where the file system can tell.
+  void sync() const noexcept;
 
   enum class Kind { none, file, link, folder, other };
   [[nodiscard]] Kind kind(const std::string& name) const noexcept;
