@@ -1,6 +1,9 @@
 // Simulation::clone(): a copy that goes on by itself, and shares what neither changes.
 
 #include <doctest/doctest.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <optional>
 #include <string>
@@ -18,6 +21,16 @@ using namespace springnet;
 using namespace springnet::testing;
 
 namespace {
+
+// Bytes that the program has asked for and not given back; 0 where nobody counts them.
+double allocated() {
+#ifdef __GLIBC__
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+#else
+  return 0.0;
+#endif
+}
 
 constexpr int before = 8, after = 8;  // steps
 
@@ -146,8 +159,9 @@ TEST_CASE("simulations made, cloned, restored and destroyed") {
   const auto count = static_cast<int>(repetitions("SPRINGNET_COPIES", 200));
   const Network net = eventful();
   const std::vector<SimulationOptions> methods = all_methods();
-  std::string saved;
+  double after_some = 0.0;
   for (int i = 0; i < count; ++i) {
+    if (i == count / 2) after_some = allocated();
     const auto method = static_cast<std::size_t>(i) % methods.size();
     CAPTURE(method);
     Simulation made(net, plugins(), methods[method]);
@@ -160,5 +174,7 @@ TEST_CASE("simulations made, cloned, restored and destroyed") {
     if (i % 2 == 0) made = copy.clone();
     if (i % 11 == 0 && step(copy)) CHECK(step(made));
   }
+  constexpr double a_simulation = 50e3;  // bytes
+  CHECK(allocated() < after_some + a_simulation);
   MESSAGE(count << " simulations made, cloned, restored and destroyed");
 }
