@@ -16,11 +16,47 @@
 #include "formula/units.hpp"
 #include "plugin_host/check_plugin.hpp"
 #include "plugin_host/message.hpp"
+#include "text/digest.hpp"
 
 namespace springnet {
 namespace {
 
 using formula::Law;
+
+// Tells a formula from others as a plugin's version tells it from earlier ones: of all that its values depend on.
+std::string version_of(const LawFormula& formula) {
+  const auto& [kind, force, energy, margin, parameters, inputs, curves, states, shape, scalars, forces,
+               smallest_stretch, largest_stretch, pulls_only, monotone, not_zero_at_rest, adds_power, smooth_rates,
+               summary] = formula;
+  Digest digest;
+  const auto text = [&](const std::string& each) { digest.add(std::string_view(each)); };
+  digest.add(kind);
+  for (const std::string* each : {&force, &energy, &margin}) text(*each);
+  for (const std::vector<FormulaSymbol>* list : {&parameters, &inputs})
+    for (const FormulaSymbol& each : *list) {
+      text(each.name);
+      digest.add(each.preset);
+    }
+  for (const FormulaCurve& each : curves) {
+    text(each.name);
+    digest.add(each.x);
+    digest.add(each.y);
+  }
+  for (const FormulaState& each : states) {
+    text(each.name);
+    text(each.rate);
+    for (const double value : {each.start, each.smallest, each.largest, each.scale}) digest.add(value);
+  }
+  digest.add(shape);
+  for (const FormulaScalar& each : scalars) {
+    text(each.name);
+    text(each.of);
+  }
+  for (const std::string& each : forces) text(each);
+  for (const double value : {smallest_stretch, largest_stretch}) digest.add(value);
+  for (const bool promise : {pulls_only, monotone, not_zero_at_rest, adds_power, smooth_rates}) digest.add(promise);
+  return fmt::format("{:08x}", digest.value());
+}
 
 // "length(0, 1)" and so on.
 springnet_invariant scalar_of(const FormulaScalar& scalar) {
@@ -74,7 +110,7 @@ std::uint32_t number_of(Invariant shape) {
 
 // The component and all that it points to. Does not move.
 struct FormulaComponent {
-  explicit FormulaComponent(const LawFormula& given) : source(given), law(given) {
+  explicit FormulaComponent(const LawFormula& given) : source(given), law(given), version(version_of(given)) {
     formula::check_units_of_some_use(given);
     describe(source.parameters, true, parameters, parameter_list);
     describe(source.inputs, false, inputs, input_list);
@@ -158,8 +194,18 @@ struct FormulaComponent {
     component.parameter_count = static_cast<std::uint32_t>(parameters.size());
     component.parameters = parameter_list.data();
     component.implementation = &implementation;
-    plugin = {
-        SPRINGNET_MAGIC, sizeof plugin, SPRINGNET_ABI_MAJOR, SPRINGNET_ABI_MINOR, 0, 1, 0, "formula", "", "", "", list};
+    plugin = {SPRINGNET_MAGIC,
+              sizeof plugin,
+              SPRINGNET_ABI_MAJOR,
+              SPRINGNET_ABI_MINOR,
+              0,
+              1,
+              0,
+              "formula",
+              version.c_str(),
+              "",
+              "",
+              list};
     if (const PluginCheck check = check_plugin(plugin); !check.wrong.empty())
       throw Error(ErrorKind::input, check.wrong);
   }
@@ -178,7 +224,7 @@ struct FormulaComponent {
 
   LawFormula source;
   Law law;
-  std::string summary;
+  std::string version, summary;
   std::deque<springnet_parameter> parameters, inputs, states;
   std::deque<springnet_invariant> invariants;
   std::vector<const springnet_parameter*> parameter_list, input_list, state_list;

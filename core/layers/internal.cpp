@@ -1,5 +1,7 @@
 #include "layers/internal.hpp"
 
+#include <utility>
+
 #include "layers/laws.hpp"
 
 namespace springnet::layers {
@@ -11,13 +13,14 @@ InternalLayout::InternalLayout(const CompiledLaws& laws, const std::vector<std::
   for (const Group& group : laws.groups) any = any || group.state_count() > 0;
   if (!any) return;
   constexpr std::uint32_t none = 0xffffffffu;
-  spring_place_.assign(spring_count, none);
-  element_place_.assign(element_count, none);
+  std::vector<std::uint32_t> springs(spring_count, none), elements(element_count, none);
   const auto place = [&](std::uint32_t& of, std::size_t group) {
     if (of == none && laws.groups[group].state_count() > 0) of = groups_[group].count++;
   };
-  for (const std::uint32_t s : spring_order) place(spring_place_[s], laws.group[s]);
-  for (std::uint32_t e = 0; e < element_count; ++e) place(element_place_[e], laws.element_group[e]);
+  for (const std::uint32_t s : spring_order) place(springs[s], laws.group[s]);
+  for (std::uint32_t e = 0; e < element_count; ++e) place(elements[e], laws.element_group[e]);
+  spring_place_ = std::move(springs);
+  element_place_ = std::move(elements);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     OfGroup& group = groups_[g];
     group.first = count_;

@@ -6,6 +6,8 @@
 
 #include <springnet/sdk/plugin.h>
 
+#include "layers/shared.hpp"
+
 namespace springnet::layers {
 
 struct CompiledLaws;
@@ -72,7 +74,7 @@ class InternalLayout {
 
  private:
   std::vector<OfGroup> groups_;
-  std::vector<std::uint32_t> spring_place_, element_place_;
+  SharedVector<std::uint32_t> spring_place_, element_place_;
   std::vector<springnet_internal_range> ranges_;
   std::uint64_t count_ = 0;
   bool own_updates_ = false;

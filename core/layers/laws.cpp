@@ -220,7 +220,7 @@ class Rows {
     if (materials.is_uniform()) {
       std::size_t most = groups_[materials_[materials[0]].group].row_count();
       for (const std::vector<RowKey>& own : keys) most += own.size();
-      groups_[materials_[materials[0]].group].columns[0].reserve(most);
+      groups_[materials_[materials[0]].group].columns.own()[0].reserve(most);
     }
     std::vector<std::vector<std::uint32_t>> rows_of(pieces);
     for (std::size_t p = 0; p < pieces; ++p) {
@@ -247,11 +247,12 @@ class Rows {
     const MaterialLaws& material = materials_[key.material];
     Group& group = groups_[material.group];
     const auto row = static_cast<std::uint32_t>(group.row_count());
-    group.columns[0].push_back(key.reference);
-    for (std::size_t k = 0; k < material.parameters.size(); ++k) group.columns[k + 1].push_back(material.parameters[k]);
+    std::vector<Column<double>>& columns = group.columns.own();
+    columns[0].push_back(key.reference);
+    for (std::size_t k = 0; k < material.parameters.size(); ++k) columns[k + 1].push_back(material.parameters[k]);
     for (const Law* const law : group.laws()) {
       for (std::size_t k = 0; k < law->input_count; ++k)
-        group.columns[law->first_input_column + k].push_back(signal_of(key.inputs, *law->component->law().inputs[k]));
+        columns[law->first_input_column + k].push_back(signal_of(key.inputs, *law->component->law().inputs[k]));
     }
     return row;
   }

@@ -16,6 +16,7 @@
 #include "layers/input_sets.hpp"
 #include "layers/internal.hpp"
 #include "layers/prepared.hpp"
+#include "layers/shared.hpp"
 #include "layers/signals.hpp"
 
 namespace springnet::layers {
@@ -61,7 +62,7 @@ struct Law {
 struct Group {
   Law spring;
   Law viscosity;
-  std::vector<Column<double>> columns;
+  SharedVector<Column<double>> columns;
   const Signals* signals = nullptr;  // null if the laws have no inputs
   ScalarList scalars{};              // of laws over several
 
@@ -88,38 +89,55 @@ struct NeuronKind {
 class RowNumbers {
  public:
   RowNumbers() = default;
-  explicit RowNumbers(Column<std::uint32_t> rows) : rows_(std::move(rows)) {
-    for (std::size_t s = 0; s < rows_.size(); ++s)
-      if (rows_[s] != s) return;
+  explicit RowNumbers(Column<std::uint32_t> rows) {
     own_ = true;
-    rows_ = {};
+    for (std::size_t s = 0; s < rows.size() && own_; ++s) own_ = rows[s] == s;
+    if (!own_) rows_ = std::move(rows);
   }
   [[nodiscard]] std::uint32_t operator[](std::size_t spring) const {
     return own_ ? static_cast<std::uint32_t>(spring) : rows_[spring];
   }
 
  private:
-  Column<std::uint32_t> rows_;
+  SharedColumn<std::uint32_t> rows_;
   bool own_ = false;
 };
 
+// Signals are one simulation's own.
+struct OwnSignals : std::unique_ptr<Signals> {
+  using std::unique_ptr<Signals>::unique_ptr;
+  using std::unique_ptr<Signals>::operator=;
+  OwnSignals(OwnSignals&&) = default;
+  OwnSignals& operator=(OwnSignals&&) = default;
+  OwnSignals(const OwnSignals& other) : std::unique_ptr<Signals>(other ? std::make_unique<Signals>(*other) : nullptr) {}
+  OwnSignals& operator=(const OwnSignals&) = delete;
+};
+
+// Copies share what is large until one changes its own; the signals that their groups read are those of the copied one,
+// until share_signals().
+//
 // Groups and rows of all springs and elements of a network, and the neurons of its nodes. Throws Error if a component
 // does not exist, a parameter is out of range, a law cannot prepare its tables or is used on an invariant that it does
 // not read, or nobody reads a signal.
 struct CompiledLaws {
   std::vector<Group> groups;
-  Column<std::uint32_t> group;                       // [spring]
-  RowNumbers row;                                    // [spring] row in its group
-  Column<std::uint32_t> element_group, element_row;  // [element]
-  std::vector<NeuronKind> neurons;                   // those that nodes have
-  std::vector<std::uint32_t> neuron_number;          // [number in Network::neurons()] in `neurons`
-  std::unique_ptr<Signals> signals;                  // numbered as Network::inputs(), then constants
+  SharedColumn<std::uint32_t> group;                       // [spring]
+  RowNumbers row;                                          // [spring] row in its group
+  SharedColumn<std::uint32_t> element_group, element_row;  // [element]
+  std::vector<NeuronKind> neurons;                         // those that nodes have
+  std::vector<std::uint32_t> neuron_number;                // [number in Network::neurons()] in `neurons`
+  OwnSignals signals;                                      // numbered as Network::inputs(), then constants
   struct SignalInput {
     std::string name;
     std::vector<InputReader> readers;
   };
   std::vector<SignalInput> inputs;  // as Network::inputs()
 
+  // To be called for a copy: its groups read its own signals.
+  void share_signals() noexcept {
+    for (Group& each : groups)
+      if (each.signals != nullptr) each.signals = signals.get();
+  }
   // Whether a law or neuron may be called from the thread alone that runs the simulation.
   [[nodiscard]] bool on_one_thread() const noexcept;
 };

@@ -20,36 +20,58 @@ constexpr std::size_t springs_worth_threads = 100'000;
 Layout::Layout(const Network& network, const PluginHost& plugins, bool renumber, unsigned threads)
     : laws_(compile_laws(network, plugins)),
       ordering_(order_nodes(network, renumber)),
-      elements_(network, laws_, ordering_.engine),
-      loaded_faces_(network, ordering_.engine) {
+      elements_(network, laws_, ordering_->engine),
+      loaded_faces_(network, ordering_->engine) {
   const SpringList& springs = network.springs();
-  const std::size_t nodes = ordering_.user.size();
+  const Ordering& order = *ordering_;
+  const std::size_t nodes = order.user.size();
   alive_.assign(springs.size(), 1);
   live_count_ = springs.size();
-  ends_.resize(2 * springs.size());
+  std::vector<std::uint32_t> ends(2 * springs.size());
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    ends_[2 * s] = ordering_.engine[springs[s].first];
-    ends_[2 * s + 1] = ordering_.engine[springs[s].second];
+    ends[2 * s] = order.engine[springs[s].first];
+    ends[2 * s + 1] = order.engine[springs[s].second];
   }
+  ends_ = std::move(ends);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> rigid_pairs;
   for (const Rigid& rigid : network.rigids()) {
-    const std::uint32_t a = ordering_.engine[rigid.first], b = ordering_.engine[rigid.second];
-    rigid_.insert(rigid_.end(), {{a, b}, {b, a}});
+    const std::uint32_t a = order.engine[rigid.first], b = order.engine[rigid.second];
+    rigid_pairs.insert(rigid_pairs.end(), {{a, b}, {b, a}});
   }
-  std::sort(rigid_.begin(), rigid_.end());
-  neuron_kind_.resize(nodes);
-  for (std::size_t k = 0; k < nodes; ++k)
-    neuron_kind_[k] = laws_.neuron_number[network.nodes()[ordering_.user[k]].neuron];
+  std::sort(rigid_pairs.begin(), rigid_pairs.end());
+  rigid_ = std::move(rigid_pairs);
+  std::vector<std::uint32_t> kinds(nodes);
+  for (std::size_t k = 0; k < nodes; ++k) kinds[k] = laws_.neuron_number[network.nodes()[order.user[k]].neuron];
+  neuron_kind_ = std::move(kinds);
 
-  units_.resize(ordering_.unit_start.size() - 1);
+  units_.resize(order.unit_start.size() - 1);
   for (std::size_t u = 0; u < units_.size(); ++u) {
-    units_[u].first_node = ordering_.unit_start[u];
-    units_[u].node_count = ordering_.unit_start[u + 1] - ordering_.unit_start[u];
+    units_[u].first_node = order.unit_start[u];
+    units_[u].node_count = order.unit_start[u + 1] - order.unit_start[u];
   }
   lay_out(threads);
 }
 
+Layout::Layout(const Layout& other)
+    : laws_(other.laws_),
+      ordering_(other.ordering_),
+      elements_(other.elements_),
+      loaded_faces_(other.loaded_faces_),
+      internal_(other.internal_),
+      ends_(other.ends_),
+      rigid_(other.rigid_),
+      alive_(other.alive_),
+      live_count_(other.live_count_),
+      revision_(other.revision_),
+      neuron_kind_(other.neuron_kind_),
+      units_(other.units_),
+      found_(other.found_) {
+  laws_.share_signals();
+  elements_.read(laws_, internal_);
+}
+
 std::uint32_t Layout::unit_of(std::uint32_t node) const noexcept {
-  const std::uint32_t size = ordering_.unit_start[1];  // all but the last are equal
+  const std::uint32_t size = ordering_->unit_start[1];  // all but the last are equal
   return size == 0 ? 0 : node / size;
 }
 
@@ -111,14 +133,15 @@ void Layout::lay_out(unsigned threads) {
 
 // A spring that is in two units is written by that of its lower node.
 void Layout::place_internal(Unit& unit) const {
-  unit.internal.assign(unit.spring.size(), InternalLayout::silent);
+  std::vector<std::uint32_t> internal(unit.spring.size(), InternalLayout::silent);
   const auto u = static_cast<std::uint32_t>(&unit - units_.data());
   for (std::size_t slot = 0; slot < unit.spring.size(); ++slot) {
     const std::uint32_t s = unit.spring[slot];
     if (s == no_spring || !internal_.has(laws_.group[s])) continue;
     const bool is_owner = unit_of(std::min(first(s), second(s))) == u;
-    unit.internal[slot] = internal_.of_spring(s) | (is_owner ? 0u : InternalLayout::silent);
+    internal[slot] = internal_.of_spring(s) | (is_owner ? 0u : InternalLayout::silent);
   }
+  unit.internal = std::move(internal);
   for (std::size_t s = 0; s < unit.segments.size(); ++s) unit.settle_values(s);
 }
 
@@ -138,43 +161,54 @@ void Layout::lay_out_again(Unit& unit) {
 }
 
 const std::vector<std::uint32_t>& Layout::springs_of(std::size_t group) const {
-  if (springs_of_group_.empty()) {
-    springs_of_group_.resize(laws_.groups.size());
-    for (std::uint32_t s = 0; s < alive_.size(); ++s)
-      if (alive(s)) springs_of_group_[laws_.group[s]].push_back(s);
-  }
-  return springs_of_group_[group];
+  if (!found_->has_springs.load(std::memory_order_acquire)) build_springs();
+  return found_->springs_of_group[group];
+}
+
+void Layout::build_springs() const {
+  const std::lock_guard guard(found_->building);
+  if (found_->has_springs.load(std::memory_order_relaxed)) return;
+  std::vector<std::vector<std::uint32_t>>& springs = found_->springs_of_group;
+  springs.assign(laws_.groups.size(), {});
+  for (std::uint32_t s = 0; s < alive_.size(); ++s)
+    if (alive(s)) springs[laws_.group[s]].push_back(s);
+  found_->has_springs.store(true, std::memory_order_release);
 }
 
 void Layout::build_incidence() const {
-  const std::lock_guard guard(building_);
-  if (has_incidence_.load(std::memory_order_relaxed)) return;
+  const std::lock_guard guard(found_->building);
+  if (found_->has_incidence.load(std::memory_order_relaxed)) return;
   const std::size_t nodes = node_count();
-  incident_start_.assign(nodes + 1, 0);
+  std::vector<std::uint64_t>&incident_start = found_->incident_start, &incident_stop = found_->incident_stop;
+  std::vector<Incident>& incident = found_->incident;
+  incident_start.assign(nodes + 1, 0);
   for (std::uint32_t s = 0; s < alive_.size(); ++s) {
     if (!alive(s)) continue;
-    ++incident_start_[first(s) + 1];
-    ++incident_start_[second(s) + 1];
+    ++incident_start[first(s) + 1];
+    ++incident_start[second(s) + 1];
   }
-  for (std::size_t k = 0; k < nodes; ++k) incident_start_[k + 1] += incident_start_[k];
-  incident_.resize(incident_start_[nodes]);
-  incident_stop_.assign(incident_start_.begin(), incident_start_.end() - 1);
+  for (std::size_t k = 0; k < nodes; ++k) incident_start[k + 1] += incident_start[k];
+  incident.resize(incident_start[nodes]);
+  incident_stop.assign(incident_start.begin(), incident_start.end() - 1);
   for (std::uint32_t s = 0; s < alive_.size(); ++s) {
     if (!alive(s)) continue;
     const std::uint32_t a = first(s), b = second(s);
-    incident_[incident_stop_[a]++] = {b, laws_.group[s], laws_.row[s], s};
-    incident_[incident_stop_[b]++] = {a, laws_.group[s], laws_.row[s], s};
+    incident[incident_stop[a]++] = {b, laws_.group[s], laws_.row[s], s};
+    incident[incident_stop[b]++] = {a, laws_.group[s], laws_.row[s], s};
   }
   if (laws_.groups.size() > 1) {
     for (std::size_t k = 0; k < nodes; ++k)
-      std::stable_sort(incident_.begin() + static_cast<std::ptrdiff_t>(incident_start_[k]),
-                       incident_.begin() + static_cast<std::ptrdiff_t>(incident_stop_[k]),
+      std::stable_sort(incident.begin() + static_cast<std::ptrdiff_t>(incident_start[k]),
+                       incident.begin() + static_cast<std::ptrdiff_t>(incident_stop[k]),
                        [](const Incident& a, const Incident& b) { return a.group < b.group; });
   }
-  has_incidence_.store(true, std::memory_order_release);
+  found_->has_incidence.store(true, std::memory_order_release);
 }
 
 void Layout::build_neighbours() const {
+  const std::lock_guard guard(found_->building);
+  if (found_->has_neighbours.load(std::memory_order_relaxed)) return;
+  std::vector<std::uint32_t>&neighbour_start = found_->neighbour_start, &neighbours = found_->neighbours;
   const std::uint32_t nodes = node_count();
   // Other ends of each node's springs.
   std::vector<std::size_t> start(nodes + std::size_t{1}, 0);
@@ -191,11 +225,11 @@ void Layout::build_neighbours() const {
     others[next[first(s)]++] = second(s);
     others[next[second(s)]++] = first(s);
   }
-  neighbour_start_.clear();
-  neighbour_start_.reserve(nodes + std::size_t{1});
-  neighbour_start_.push_back(0);
-  neighbours_.clear();
-  neighbours_.reserve(others.size());
+  neighbour_start.clear();
+  neighbour_start.reserve(nodes + std::size_t{1});
+  neighbour_start.push_back(0);
+  neighbours.clear();
+  neighbours.reserve(others.size());
   std::vector<std::uint32_t> joined;
   auto rigid = rigid_.begin();
   for (std::uint32_t k = 0; k < nodes; ++k) {
@@ -205,21 +239,22 @@ void Layout::build_neighbours() const {
     elements_.add_neighbours(k, joined);
     loaded_faces_.add_neighbours(k, joined);
     std::sort(joined.begin(), joined.end(),
-              [this](std::uint32_t a, std::uint32_t b) { return ordering_.user[a] < ordering_.user[b]; });
+              [this](std::uint32_t a, std::uint32_t b) { return ordering_->user[a] < ordering_->user[b]; });
     joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
-    neighbours_.insert(neighbours_.end(), joined.begin(), joined.end());
-    neighbour_start_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+    neighbours.insert(neighbours.end(), joined.begin(), joined.end());
+    neighbour_start.push_back(static_cast<std::uint32_t>(neighbours.size()));
   }
+  found_->has_neighbours.store(true, std::memory_order_release);
 }
 
 const std::vector<std::uint32_t>& Layout::neighbour_start() const {
-  if (neighbour_start_.empty()) build_neighbours();
-  return neighbour_start_;
+  if (!has_neighbours()) build_neighbours();
+  return found_->neighbour_start;
 }
 
 const std::vector<std::uint32_t>& Layout::neighbours() const {
-  if (neighbour_start_.empty()) build_neighbours();
-  return neighbours_;
+  if (!has_neighbours()) build_neighbours();
+  return found_->neighbours;
 }
 
 std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& springs) {
@@ -227,7 +262,7 @@ std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& spri
   std::vector<std::uint32_t> changed;  // units
   for (const std::uint32_t s : springs) {
     if (!alive(s)) continue;
-    alive_[s] = 0;
+    alive_.own()[s] = 0;
     removed.push_back(s);
     for_units_of(s, [&](std::uint32_t u, const UnitSpring& spring) {
       units_[u].remove(spring.own, s);
@@ -242,19 +277,20 @@ std::vector<std::uint32_t> Layout::remove(const std::vector<std::uint32_t>& spri
   changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
   for (const std::uint32_t u : changed)
     if (2 * units_[u].live < units_[u].laid_out) lay_out_again(units_[u]);
-  if (has_incidence_.load(std::memory_order_relaxed)) {
+  if (found_.is_shared()) found_ = Shared<Found>();
+  if (found_->has_incidence.load(std::memory_order_relaxed)) {
     const auto forget = [this](std::uint32_t node) {
-      Incident* begin = incident_.data() + incident_start_[node];
-      Incident* end = incident_.data() + incident_stop_[node];
+      Incident* const begin = found_->incident.data() + found_->incident_start[node];
+      Incident* const end = found_->incident.data() + found_->incident_stop[node];
       const Incident* kept = std::remove_if(begin, end, [this](const Incident& i) { return !alive(i.spring); });
-      incident_stop_[node] = static_cast<std::uint64_t>(kept - incident_.data());
+      found_->incident_stop[node] = static_cast<std::uint64_t>(kept - found_->incident.data());
     };
     for (const std::uint32_t s : removed) {
       forget(first(s));
       forget(second(s));
     }
   }
-  springs_of_group_.clear();
+  found_->has_springs.store(false, std::memory_order_relaxed);
   note_removal();
   return removed;
 }
@@ -276,16 +312,16 @@ void Layout::put_back_all() {
     alive_.assign(alive_.size(), 1);
     live_count_ = alive_.size();
     lay_out(1);
-    has_incidence_.store(false, std::memory_order_release);
-    springs_of_group_.clear();
+    found_ = Shared<Found>();
   }
   elements_.put_back_all();
   loaded_faces_.put_back_all();
   note_removal();
 }
 
-void Layout::note_removal() noexcept {
-  neighbour_start_.clear();
+void Layout::note_removal() {
+  if (found_.is_shared()) found_ = Shared<Found>();
+  found_->has_neighbours.store(false, std::memory_order_relaxed);
   ++revision_;
 }
 

@@ -81,7 +81,7 @@ void Signals::archive(Archive& archive) {
     double value = at_start_[k];
     if (is_held) archive.number(value);
     if (!archive.reads()) continue;
-    if (!std::isfinite(value)) Archive::refuse("the value of an input signal is not finite");
+    if (is_held && !std::isfinite(value)) Archive::refuse("the value of an input signal is not finite");
     if (is_held) {
       hold(k, value);
     } else if (original != replaced_.end()) {

@@ -7,16 +7,18 @@
 
 namespace springnet::layers {
 
-void Unit::remove(std::uint32_t own, std::uint32_t spring_number) noexcept {
+void Unit::remove(std::uint32_t own, std::uint32_t spring_number) {
   const Tile& tile = tiles[(own - first_node) / tile_nodes];
   for (std::uint32_t s = tile.segment_begin; s < tile.segment_end; ++s) {
-    Segment& segment = segments[s];
-    const auto begin = spring.begin() + segment.begin, end = begin + segment.count;
-    const auto found = std::find(begin, end, spring_number);
-    if (found == end) continue;
-    *found = no_spring;
-    const auto slot = static_cast<std::uint32_t>(found - begin);
-    std::uint8_t& live_slots = live_mask[(segment.begin + slot) / chunk_springs];
+    const std::uint32_t first_slot = segments[s].begin;
+    const std::uint32_t* const list = spring.data() + first_slot;
+    const std::uint32_t* const found = std::find(list, list + segments[s].count, spring_number);
+    if (found == list + segments[s].count) continue;
+    const auto slot = static_cast<std::uint32_t>(found - list);
+    spring.own()[first_slot + slot] = no_spring;
+    const auto begin = spring.begin() + first_slot, end = begin + segments[s].count;
+    Segment& segment = segments.own()[s];
+    std::uint8_t& live_slots = live_mask.own()[(first_slot + slot) / chunk_springs];
     live_slots &= static_cast<std::uint8_t>(~(1u << (slot % chunk_springs)));
     segment.has_empty_chunk = segment.has_empty_chunk || live_slots == 0;
     ++segment.dead;
@@ -29,12 +31,15 @@ void Unit::remove(std::uint32_t own, std::uint32_t spring_number) noexcept {
   }
 }
 
-void Unit::settle_values(std::size_t index) noexcept {
+void Unit::settle_values(std::size_t index) {
   const Segment& segment = segments[index];
   const bool is_mixed = segment.row == mixed_rows;
   if ((!is_mixed && internal.empty()) || segment.dead == 0 || segment.dead == segment.count) return;
   const std::size_t values_end = index + 1 < segments.size() ? segments[index + 1].value_begin : values.size();
-  double* const columns_end = is_mixed ? values.data() + values_end : values.data() + segment.value_begin;
+  std::vector<double>& own_values = values.own();
+  std::vector<std::uint32_t>* const own_internal = internal.empty() ? nullptr : &internal.own();
+  double* const columns_begin = own_values.data() + segment.value_begin;
+  double* const columns_end = is_mixed ? own_values.data() + values_end : columns_begin;
   const std::uint8_t* const live_slots = live_in(segment);
   for (std::uint32_t at = 0; at < segment.count; at += chunk_springs) {
     const unsigned mask = live_slots[at / chunk_springs];
@@ -42,10 +47,10 @@ void Unit::settle_values(std::size_t index) noexcept {
     const std::uint32_t source = has_own ? at + static_cast<std::uint32_t>(std::countr_zero(mask)) : segment.living;
     for (std::uint32_t i = 0; i < chunk_springs; ++i) {
       if ((mask >> i & 1u) != 0) continue;
-      for (double* column = values.data() + segment.value_begin; column != columns_end; column += segment.count)
+      for (double* column = columns_begin; column != columns_end; column += segment.count)
         column[at + i] = column[source];
-      if (!internal.empty())
-        internal[segment.begin + at + i] = internal[segment.begin + source] | InternalLayout::silent;
+      if (own_internal != nullptr)
+        (*own_internal)[segment.begin + at + i] = (*own_internal)[segment.begin + source] | InternalLayout::silent;
     }
   }
 }

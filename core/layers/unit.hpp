@@ -13,6 +13,7 @@
 
 #include "layers/kernels.hpp"
 #include "layers/laws.hpp"
+#include "layers/shared.hpp"
 
 namespace springnet::layers {
 
@@ -52,17 +53,18 @@ struct Unit {
   std::uint32_t window = 0;  // places of the window for springs by their ends, a power of 2; 0: there are none
   std::size_t live = 0;      // slots with a spring; when it was laid out:
   std::size_t laid_out = 0;
-  std::vector<Tile> tiles;
-  std::vector<Segment> segments;
   std::uint32_t forces = 0;  // most places for forces of chunks that a tile needs
-  std::vector<Chunk> chunks;
-  std::vector<NodeSum> sums;
-  std::vector<std::uint32_t> places;         // of forces, those of each sum after each other
-  std::vector<std::uint32_t> first, second;  // ends of springs that are in no chunk
-  std::vector<std::uint32_t> spring;         // [slot] or no_spring
-  std::vector<std::uint8_t> live_mask;       // [slot / 8] a bit for each slot with a spring
-  std::vector<std::uint32_t> internal;       // [slot] place in the internal state; empty: no spring of the net has any
-  std::vector<double> values;                // of the columns that differ between rows, [column][slot] of each segment
+  // Shared by copies, of which a cut changes a few.
+  SharedVector<Tile> tiles;
+  SharedVector<Segment> segments;
+  SharedVector<Chunk> chunks;
+  SharedVector<NodeSum> sums;
+  SharedVector<std::uint32_t> places;         // of forces, those of each sum after each other
+  SharedVector<std::uint32_t> first, second;  // ends of springs that are in no chunk
+  SharedVector<std::uint32_t> spring;         // [slot] or no_spring
+  SharedVector<std::uint8_t> live_mask;       // [slot / 8] a bit for each slot with a spring
+  SharedVector<std::uint32_t> internal;       // [slot] place in the internal state; empty: no spring of the net has any
+  SharedVector<double> values;                // of the columns that differ between rows, [column][slot] of each segment
 
   [[nodiscard]] std::uint32_t end_node() const noexcept { return first_node + node_count; }
   [[nodiscard]] SegmentSprings springs_of(const Segment& segment) const noexcept {
@@ -84,11 +86,11 @@ struct Unit {
     return live_mask.data() + segment.begin / chunk_springs;
   }
   // Removes a spring from the tile of its end `own`, which must be in the unit.
-  void remove(std::uint32_t own, std::uint32_t spring_number) noexcept;
+  void remove(std::uint32_t own, std::uint32_t spring_number);
   // Gives slots without a spring the parameters and the internal state of the spring whose length they get: of the
   // first one of their chunk, or of `living`. A law could fail for the length of one spring and the rest length of
   // another.
-  void settle_values(std::size_t segment) noexcept;
+  void settle_values(std::size_t segment);
 };
 
 // Where the values of the columns of a segment of mixed rows are: RowSelection::columns.

@@ -135,12 +135,12 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
     add_sums(tile);
     unit.tiles.push_back(tile);
   }
-  for (auto* list : {&unit.first, &unit.second, &unit.spring, &unit.places}) list->shrink_to_fit();
-  unit.sums.shrink_to_fit();
-  unit.segments.shrink_to_fit();
-  unit.chunks.shrink_to_fit();
-  unit.live_mask.shrink_to_fit();
-  unit.values.shrink_to_fit();
+  for (auto* list : {&unit.first, &unit.second, &unit.spring, &unit.places}) list->own().shrink_to_fit();
+  unit.sums.own().shrink_to_fit();
+  unit.segments.own().shrink_to_fit();
+  unit.chunks.own().shrink_to_fit();
+  unit.live_mask.own().shrink_to_fit();
+  unit.values.own().shrink_to_fit();
 }
 
 // Of a tile's springs, sorted by group and row: frequent rows are sets of their own, the others mixed ones.
@@ -226,14 +226,14 @@ void UnitBuilder::begin_segment(const UnitSpring& one, std::uint32_t row, Access
 // Of slots_, which it fills up.
 void UnitBuilder::end_segment() {
   slots_.resize((slots_.size() + chunk_springs - 1) / chunk_springs * chunk_springs, nullptr);
-  Segment& segment = unit_->segments.back();
+  Segment& segment = unit_->segments.own().back();
   segment.count = static_cast<std::uint32_t>(slots_.size());
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (i % chunk_springs == 0) unit_->live_mask.push_back(0);
     unit_->spring.push_back(slots_[i] != nullptr ? slots_[i]->spring : no_spring);
     if (slots_[i] != nullptr) {
       segment.living = static_cast<std::uint32_t>(i);
-      unit_->live_mask.back() |= static_cast<std::uint8_t>(1u << (i % chunk_springs));
+      unit_->live_mask.own().back() |= static_cast<std::uint8_t>(1u << (i % chunk_springs));
     } else {
       ++segment.dead;
     }
@@ -280,7 +280,7 @@ void UnitBuilder::add_chunks(const Set& set) {
 // A chunk for it, in the run of the one before if it continues that.
 void UnitBuilder::add_to_run(const Piece& piece) {
   if (!runs_.empty()) {
-    Chunk& before = unit_->chunks.back();
+    Chunk& before = unit_->chunks.own().back();
     if (piece.first == before.first + chunk_springs && piece.second == before.second + chunk_springs)
       before.is_last = false;
     else

@@ -33,6 +33,18 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   if (options.dissipated_energy) dissipation_ = std::make_unique<DissipationLedger>();
 }
 
+Engine::Engine(const Engine& other, const Network& network, const SimulationOptions& options)
+    : model_(other.model_, network, options),
+      linear_(model_),
+      topology_(model_, linear_, network.cuts()),
+      contact_events_(model_, topology_),
+      info_(model_, contact_events_),
+      calls_(model_),
+      sweep_(model_),
+      ledger_(model_) {
+  if (options.dissipated_energy) dissipation_ = std::make_unique<DissipationLedger>();
+}
+
 Engine::~Engine() = default;
 
 ParameterModel& Engine::parameters() {

@@ -26,6 +26,8 @@ class VerletContact;
 class Engine {
  public:
   Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  // For a copy of a simulation of this network, which takes up the state by archive().
+  Engine(const Engine& other, const Network& network, const SimulationOptions& options);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;

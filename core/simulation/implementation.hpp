@@ -19,8 +19,11 @@
 #include "plugin_host/call.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
+#include "simulation/identity.hpp"
 
 namespace springnet {
+
+struct SavedHead;
 
 struct Simulation::Impl {
   Impl(std::shared_ptr<const Network> given_network, std::shared_ptr<const PluginHost> plugin_host,
@@ -33,6 +36,10 @@ struct Simulation::Impl {
         host(make_host_table(engine)) {
     create_integrator();
   }
+  // A copy that is to go on by itself: see clone.cpp. state: of `other`.
+  Impl(Impl& other, std::string_view state);
+  // What the next constructor of a Simulation in this thread is to have; see clone().
+  static thread_local std::unique_ptr<Impl> made;
   ~Impl() { destroy_integrator(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -68,6 +75,14 @@ struct Simulation::Impl {
   void set_integrator_memory(std::string_view memory);
   [[nodiscard]] std::optional<Simulation::Between> between(double time);
   void archive(Archive& archive);
+  // Saved states: see saving.cpp. state(): what archive() writes, and the integrator's memory; take_up() reads it.
+  [[nodiscard]] std::string state();
+  void take_up(std::string_view bytes);
+  void settle_history(std::string_view memory);
+  [[nodiscard]] const Identity& network_identity();
+  [[nodiscard]] Identity present_identity();
+  void check_identity(const SavedHead& head, std::string_view bytes);
+  void restore_state(const SavedHead& head, std::string_view bytes);
   // The model for a change of the committed state, which is then not where the last step ended.
   Model& changed_state() {
     Model& model = between_steps().engine.model();
@@ -157,6 +172,9 @@ struct Simulation::Impl {
   std::uint64_t steps = 0, sweeps = 0;
   bool in_step = false;           // a call of the integrator
   bool state_is_of_step = false;  // the committed state is where the last step ended: nobody has changed it since
+  // Of the network as it was given; null: nobody has asked for it yet. Clones share it.
+  std::shared_ptr<const Identity> identity;
+  std::shared_ptr<const Network> identity_of_network;
   // The next step ends at grid_start + (grid_steps + 1) time_step, so that rounding does not add up.
   double grid_start = 0.0;
   std::uint64_t grid_steps = 0;

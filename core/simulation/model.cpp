@@ -55,6 +55,21 @@ Model::Model(const Network& network, const PluginHost& plugins, const Simulation
   start_internal();
 }
 
+Model::Model(const Model& other, const Network& network, const SimulationOptions& options)
+    : layout(other.layout),
+      mass(other.mass),
+      evaluator(layout, mass, options.instruction_set, layout.laws().on_one_thread() ? 1 : options.threads),
+      loads(network, layout),
+      constraints(network, layout.ordering().user, layout.ordering().engine, mass),
+      contact(constraints.contact()),
+      rigid(constraints.rigid()),
+      scales(other.scales),
+      state(layout.node_count(), layout.internal().count()),
+      time_step(options.time_step),
+      step_length(0.0) {
+  contact.set_rest_speed(other.contact.rest_speed());
+}
+
 layers::InternalView Model::internal_for(const springnet_internal* request) {
   layers::InternalView view = state.internal;
   if (request == nullptr) return view;

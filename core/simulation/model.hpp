@@ -32,6 +32,8 @@ struct Scales {
 struct Model {
   // The state is that of the scene, without contacts: see start.hpp.
   Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  // For a copy of a simulation of this network, which takes up the state by archive(). Shares what does not change.
+  Model(const Model& other, const Network& network, const SimulationOptions& options);
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 

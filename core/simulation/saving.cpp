@@ -1,69 +1,23 @@
-// Simulation::save() and restore(): all that the coming steps depend on, as bytes.
-//
-// The bytes are a heading, their number and checksum, whose they are (version, network, laws, integrator), and then the
-// parts of the engine, each by its function archive(). What is kept for speed alone is not among them.
+// Simulation::save() and restore(): all that the coming steps depend on, as bytes (saved_state.hpp), the parts of the
+// engine each by its function archive(). What is kept for speed alone is not among them.
 #include <springnet/simulation.hpp>
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <springnet/printable.hpp>
 #include <springnet/version.hpp>
 
 #include "simulation/implementation.hpp"
+#include "simulation/saved_state.hpp"
 #include "text/archive.hpp"
+#include "text/digest.hpp"
 
 namespace springnet {
-namespace {
-
-constexpr std::string_view heading = "springnet state 1\n";
-
-std::uint32_t checksum(std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<z_size_t>(bytes.size())));
-}
-template <class Number>
-std::uint32_t checksum(const Number* values, std::size_t count) {
-  return checksum({reinterpret_cast<const char*>(values), count * sizeof(Number)});
-}
-
-std::string component_text(const Component& component) {
-  return fmt::format("{}@{} {}", component.description->id, component.plugin->id, component.plugin->version);
-}
-
-// What must be the same where a state is restored: name and value.
-std::vector<std::pair<std::string, std::string>> identity(const Model& model, const Component& integrator) {
-  const layers::Layout& layout = model.layout;
-  std::vector<std::pair<std::string, std::string>> result{{"version of springnet", std::string(version())},
-                                                          {"integrator", component_text(integrator)},
-                                                          {"time step", fmt::format("{} s", model.time_step)}};
-  const auto add = [&](const char* what, std::size_t count, std::uint32_t sum) {
-    result.emplace_back(what, fmt::format("{} ({:08x})", count, sum));
-  };
-  add("nodes", model.node_count(), checksum(model.mass.data(), model.mass.size()));
-  add("order of nodes", model.node_count(), checksum(layout.ordering().user.data(), layout.ordering().user.size()));
-  std::vector<std::uint32_t> springs;
-  for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
-    springs.insert(springs.end(), {layout.first(s), layout.second(s), layout.laws().group[s], layout.laws().row[s]});
-  add("springs", layout.spring_count(), checksum(springs.data(), springs.size()));
-  std::string laws;
-  for (const layers::Group& group : layout.laws().groups)
-    for (const layers::Law* law : {&group.spring, &group.viscosity})
-      laws += (laws.empty() ? "" : ", ") + (*law ? component_text(*law->component) : std::string("none"));
-  result.emplace_back("laws", laws);
-  result.emplace_back("elements", fmt::format("{}", layout.elements().count()));
-  result.emplace_back("rigid connections", fmt::format("{}", model.rigid.rods().size()));
-  result.emplace_back("planes and instruments", fmt::format("{}", model.contact.obstacles().size()));
-  return result;
-}
-
-}  // namespace
 
 void Engine::archive(Archive& archive) {
   topology_.archive(archive);
@@ -98,76 +52,155 @@ void Simulation::Impl::archive(Archive& archive) {
   const std::int64_t nodes = engine.model().node_count();
   if ((last.node != 0 && last.node >= nodes) || last.start_node < -1 || last.start_node >= nodes)
     Archive::refuse("a node does not exist");
+  // Where the next step ends.
+  const double next = grid_start + static_cast<double>(grid_steps + 1) * options.time_step;
+  if (!(next > engine.model().time) || next > engine.model().time + 2.0 * options.time_step)
+    Archive::refuse("its next step ends at another time");
 }
 
-std::string Simulation::save() {
-  Impl& impl = impl_->between_steps();
-  std::string memory = impl.integrator_memory();
-  // As in the simulation that takes up the bytes.
-  impl.engine.contact_events().forget();
-  if (memory.empty())
-    impl.drop_history();
-  else
-    impl.set_integrator_memory(memory);
-  std::string bytes;
-  Archive archive(&bytes);
-  for (auto& [name, value] : identity(impl.engine.model(), *impl.component)) {
-    std::string copy = value;
-    archive.text(copy);
+const Identity& Simulation::Impl::network_identity() {
+  if (identity_of_network != network) {
+    identity = std::make_shared<const Identity>(identity_of(*network, *plugins));
+    identity_of_network = network;
   }
-  impl.archive(archive);
-  archive.text(memory);
-  std::string result(heading);
-  Archive around(&result);
-  std::uint64_t size = bytes.size();
-  std::uint32_t sum = checksum(bytes);
-  around.number(size);
-  around.number(sum);
-  return result + bytes;
+  return *identity;
 }
 
-void Simulation::restore(std::string_view saved) {
-  Impl& impl = impl_->between_steps();
-  if (!saved.starts_with(heading))
+Identity Simulation::Impl::present_identity() {
+  const std::vector<double> parameters =
+      complete_parameters(*component->description, options.integrator.parameters, options.integrator.id);
+  Identity result{{"version of springnet", std::string(version())},
+                  {"integrator", identity_text(*component)},
+                  {"parameters of the integrator", parameters_text(*component, parameters)},
+                  {"time step", fmt::format("{} s", options.time_step)},
+                  {"nodes are renumbered", options.renumber ? "yes" : "no"},
+                  {"dissipated energy is summed up", options.dissipated_energy ? "yes" : "no"}};
+  const Identity& of_network = network_identity();
+  result.insert(result.end(), of_network.begin(), of_network.end());
+  return result;
+}
+
+SavedHead::SavedHead(std::string_view saved) {
+  if (!saved.starts_with(heading)) {
+    constexpr std::string_view family = "springnet state ";
+    if (saved.starts_with(family))
+      throw Error(ErrorKind::input,
+                  fmt::format("the saved state has format {}, this is springnet {}, which reads format {}: restore it "
+                              "with the version that saved it",
+                              printable(saved.substr(family.size(), saved.substr(family.size()).find('\n'))), version(),
+                              heading.substr(family.size(), heading.size() - family.size() - 1)));
     throw Error(ErrorKind::input, fmt::format("this is no state saved by springnet {}, which begins with '{}'",
                                               version(), heading.substr(0, heading.size() - 1)));
-  Archive around(saved.substr(heading.size()));
-  std::uint64_t size = 0;
-  std::uint32_t sum = 0;
-  around.number(size);
-  around.number(sum);
-  const std::string_view bytes = saved.substr(heading.size() + sizeof size + sizeof sum);
-  if (size != bytes.size() || sum != checksum(bytes))
-    throw Error(ErrorKind::input,
-                fmt::format("the saved state is damaged: {}",
-                            size != bytes.size() ? fmt::format("it has {} bytes in place of {}", bytes.size(), size)
-                                                 : std::string("its checksum is another one")));
+  }
+  Archive archive(saved.substr(heading.size()));
+  this->archive(archive);
+}
+
+void SavedHead::archive(Archive& archive) {
+  archive.number(identity_size);
+  archive.number(identity_sum);
+  archive.number(state_size);
+  archive.number(state_sum);
+}
+
+void SavedHead::check_size(std::uint64_t bytes) const {
+  // The sum may overflow in a damaged head.
+  if (bytes >= size && identity_size <= bytes - size && state_size == bytes - size - identity_size) return;
+  throw Error(ErrorKind::input, fmt::format("the saved state is damaged: it has {} bytes in place of those that it "
+                                            "announces",
+                                            bytes));
+}
+
+void Simulation::Impl::check_identity(const SavedHead& head, std::string_view bytes) {
+  if (head.identity_sum != checksum(bytes))
+    throw Error(ErrorKind::input, "the saved state is damaged: its checksum is another one");
   Archive archive(bytes);
-  for (const auto& [name, value] : identity(impl.engine.model(), *impl.component)) {
-    std::string there;
+  for (const auto& [name, value] : present_identity()) {
+    std::string there_name, there;
+    archive.text(there_name);
     archive.text(there);
+    if (there_name != name)
+      throw Error(ErrorKind::input,
+                  fmt::format("the saved state is of another version of springnet, which tells '{}' in place of '{}'",
+                              printable(there_name), name));
     if (there != value)
       throw Error(ErrorKind::input, fmt::format("the saved state is of another simulation: {}: {} there, {} here", name,
                                                 printable(there), printable(value)));
   }
+  if (archive.left() > 0) Archive::refuse("it tells more than what it is of");
+}
+
+void Simulation::Impl::restore_state(const SavedHead& head, std::string_view bytes) {
+  if (head.state_sum != checksum(bytes))
+    throw Error(ErrorKind::input, "the saved state is damaged: its checksum is another one");
+  take_up(bytes);
+}
+
+// The integrator's memory goes with the rest: either both are taken up, or the simulation is as it was.
+void Simulation::Impl::take_up(std::string_view bytes) {
   std::string before;
   Archive keep(&before);
-  impl.archive(keep);
-  std::string memory;
+  archive(keep);
   try {
-    impl.archive(archive);
+    Archive archive(bytes);
+    this->archive(archive);
+    std::string memory;
     archive.text(memory);
     if (archive.left() > 0) Archive::refuse("it is too long");
+    settle_history(memory);
   } catch (...) {
     Archive back{std::string_view(before)};
-    impl.archive(back);
+    archive(back);
+    drop_history();
     throw;
   }
-  impl.engine.contact_events().forget();
+}
+
+void Simulation::Impl::settle_history(std::string_view memory) {
+  engine.contact_events().forget();
   if (memory.empty())
-    impl.drop_history();
+    drop_history();
   else
-    impl.set_integrator_memory(memory);
+    set_integrator_memory(memory);
+}
+
+std::string Simulation::Impl::state() {
+  std::string memory = integrator_memory();
+  settle_history(memory);  // as in the simulation that takes up the bytes
+  std::string bytes;
+  Archive archive(&bytes);
+  this->archive(archive);
+  archive.text(memory);
+  return bytes;
+}
+
+std::string Simulation::save() {
+  Impl& impl = impl_->between_steps();
+  const std::string state = impl.state();
+  std::string told;
+  Archive archive(&told);
+  for (auto& [name, value] : impl.present_identity()) {
+    archive.text(name);
+    archive.text(value);
+  }
+  SavedHead head;
+  head.identity_size = told.size();
+  head.identity_sum = checksum(told);
+  head.state_size = state.size();
+  head.state_sum = checksum(state);
+  std::string result(SavedHead::heading);
+  result.reserve(SavedHead::size + told.size() + state.size());
+  Archive around(&result);
+  head.archive(around);
+  return result.append(told).append(state);
+}
+
+void Simulation::restore(std::string_view saved) {
+  Impl& impl = impl_->between_steps();
+  const SavedHead head(saved);
+  head.check_size(saved.size());
+  impl.check_identity(head, saved.substr(SavedHead::size, head.identity_size));
+  impl.restore_state(head, saved.substr(SavedHead::size + head.identity_size));
 }
 
 }  // namespace springnet

@@ -177,13 +177,16 @@ springnet_status Topology::perform_due_ruptures() {
 
 void Topology::archive(Archive& archive) {
   layers::Layout& layout = model_.layout;
-  const auto removed = [&archive](std::size_t count, const auto& is_alive, const char* what) {
+  bool changes = false;
+  const auto removed = [&](std::size_t count, const auto& is_alive, const char* what) {
     archive.same(count, what);
-    std::vector<std::uint32_t> list;
+    std::vector<std::uint32_t> present;
     for (std::uint32_t i = 0; i < count; ++i)
-      if (!is_alive(i)) list.push_back(i);
+      if (!is_alive(i)) present.push_back(i);
+    std::vector<std::uint32_t> list = present;
     list.resize(archive.count(list.size(), sizeof(std::uint32_t), what));
     for (std::uint32_t& each : list) archive.below(each, count, what);
+    changes = changes || list != present;
     return list;
   };
   const auto springs = removed(
@@ -200,6 +203,10 @@ void Topology::archive(Archive& archive) {
   if (!archive.reads()) return;
   torn_loads_ = {torn.begin(), torn.end()};
   torn_faces_ = faces.size();
+  if (!changes) {  // as between copies, which share what they have not changed
+    model_.loads.faces_changed();
+    return;
+  }
   layout.put_back_all();
   layout.remove(springs);
   layout.remove_elements(elements);

@@ -1,11 +1,13 @@
 // Writes files of all kinds that springnet reads: "PROGRAM FOLDER" makes FOLDER/KIND/NAME, where KIND is the ending of
 // the target that reads it.
 #include <cstdio>
+#include <cstring>
 
 #include <fmt/format.h>
 
 #include "mesh/samples.hpp"
 #include "scene/everything.hpp"
+#include "state_net.hpp"
 
 using namespace springnet::testing;
 
@@ -108,6 +110,16 @@ int main(int argc, char** argv) {
   write("bin", "all", table("null", 3, false, 2));
   write("bin", "some", table("[1,5]", 2, true, 3));
   write("bin", "cut", table("null", 2, true, 2).substr(0, 200));
+  springnet::Simulation simulation = state_simulation();
+  for (const int steps : {0, 1, 4, 12}) {
+    while (simulation.steps() < static_cast<std::uint64_t>(steps)) simulation.step();
+    const std::string saved = simulation.save();
+    write("state", fmt::format("file_{}", steps), saved);
+    // The state alone, behind the head and the identity.
+    std::uint64_t told = 0;
+    std::memcpy(&told, saved.data() + 18, sizeof told);
+    write("state", fmt::format("state_{}", steps), saved.substr(18 + 24 + told));
+  }
   write("toml", "everything", everything);
   write("toml", "everything_of_meshes", everything_of_meshes);
   write("toml", "elements", elements);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "network/invariant_values.hpp"
 
@@ -50,7 +51,7 @@ SeveralRest rest_of(const ScalarList& list, const Element& element) {
 }  // namespace
 
 ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, const std::vector<std::uint32_t>& engine)
-    : laws_(laws), start_(1, 0) {
+    : laws_(&laws), start_({0}) {
   const std::vector<Element>& elements = network.elements();
   if (elements.empty()) return;
   alive_.assign(elements.size(), 1);
@@ -63,40 +64,44 @@ ElementLayout::ElementLayout(const Network& network, const CompiledLaws& laws, c
       enclosures_.push_back({e, Enclosure(nodes)});
       nodes = enclosures_.back().shape.nodes();
     }
-    nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+    std::vector<std::uint32_t>& all = nodes_.own();
+    all.insert(all.end(), nodes.begin(), nodes.end());
     start_.push_back(nodes_.size());
     if (reads_several(elements[e].invariant)) {
-      first_several_.resize(elements.size());
-      first_several_[e] = e - static_cast<std::uint32_t>(rest_.size());
+      first_several_.own().resize(elements.size());
+      first_several_.own()[e] = e - static_cast<std::uint32_t>(rest_.size());
       rest_.push_back(rest_of(laws.groups[group(e)].scalars, elements[e]));
     }
   }
   live_enclosures_ = enclosures_.size();
 
-  share_start_.assign(engine.size() + 1, 0);
-  for (const std::uint32_t node : nodes_) ++share_start_[node + 1];
-  for (std::size_t k = 0; k < engine.size(); ++k) share_start_[k + 1] += share_start_[k];
+  std::vector<std::size_t> start(engine.size() + 1, 0);
+  for (const std::uint32_t node : nodes_) ++start[node + 1];
+  for (std::size_t k = 0; k < engine.size(); ++k) start[k + 1] += start[k];
+  share_start_ = std::move(start);
   share_out();
   make_batches();
 }
 
 void ElementLayout::share_out() {
   const std::size_t nodes = share_start_.size() - 1;
-  shares_.resize(nodes_.size());
-  share_stop_.assign(share_start_.begin(), share_start_.end() - 1);
+  std::vector<ElementShare> shares(nodes_.size());
+  std::vector<std::size_t> stop(share_start_.begin(), share_start_.end() - 1);
   std::uint32_t next_enclosure = 0;
   for (std::uint32_t e = 0; e < count(); ++e) {
     const std::uint32_t enclosure = invariant_[e] == Invariant::enclosed_volume ? next_enclosure++ : no_enclosure;
     const std::span<const std::uint32_t> own = this->nodes(e);
-    for (std::uint32_t i = 0; i < own.size(); ++i) shares_[share_stop_[own[i]]++] = {e, i, group(e), enclosure};
+    for (std::uint32_t i = 0; i < own.size(); ++i) shares[stop[own[i]]++] = {e, i, group(e), enclosure};
   }
   for (std::size_t k = 0; k < nodes; ++k) {
     const auto order = [this](const ElementShare& s) {
       return std::tuple(s.enclosure != no_enclosure, s.group, invariant_[s.element], s.element);
     };
-    std::sort(shares_.data() + share_start_[k], shares_.data() + share_stop_[k],
+    std::sort(shares.data() + share_start_[k], shares.data() + stop[k],
               [&](const ElementShare& a, const ElementShare& b) { return order(a) < order(b); });
   }
+  shares_ = std::move(shares);
+  share_stop_ = std::move(stop);
 }
 
 void ElementLayout::put_back_all() {
@@ -110,17 +115,18 @@ void ElementLayout::put_back_all() {
 
 // Sorted by invariant and laws, then by lowest node, so that successive elements read the same nodes.
 void ElementLayout::make_batches() {
-  batched_.clear();
-  batches_.clear();
+  std::vector<std::uint32_t> batched;
   for (std::uint32_t e = 0; e < count(); ++e)
-    if (alive(e) && invariant_[e] != Invariant::enclosed_volume) batched_.push_back(e);
+    if (alive(e) && invariant_[e] != Invariant::enclosed_volume) batched.push_back(e);
   const auto lowest = [this](std::uint32_t e) {
     const std::span<const std::uint32_t> own = nodes(e);
     return *std::min_element(own.begin(), own.end());
   };
-  std::sort(batched_.begin(), batched_.end(), [&](std::uint32_t a, std::uint32_t b) {
+  std::sort(batched.begin(), batched.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::tuple(invariant_[a], group(a), lowest(a), a) < std::tuple(invariant_[b], group(b), lowest(b), b);
   });
+  batched_ = std::move(batched);
+  std::vector<ElementBatch> batches;
   for (std::uint32_t begin = 0; begin < batched_.size();) {
     const std::uint32_t e = batched_[begin];
     std::uint32_t end = begin + 1;
@@ -130,27 +136,30 @@ void ElementLayout::make_batches() {
       ++end;
     const bool one_row = std::all_of(batched_.begin() + begin, batched_.begin() + end,
                                      [&](std::uint32_t other) { return row(other) == row(e); });
-    batches_.push_back({invariant_[e], group(e), begin, end - begin, one_row});
+    batches.push_back({invariant_[e], group(e), begin, end - begin, one_row});
     begin = end;
   }
+  batches_ = std::move(batches);
   fill_batches();
 }
 
 void ElementLayout::fill_batches() {
-  row_.clear();
-  reference_.clear();
-  for (std::vector<std::uint32_t>& nodes : corner_) nodes.clear();
+  std::vector<std::uint32_t> rows, corners[max_corners];
+  std::vector<double> references;
   std::vector<std::uint32_t> index(count());
   for (std::uint32_t i = 0; i < batched_.size(); ++i) {
     const std::uint32_t e = batched_[i];
     const std::span<const std::uint32_t> own = nodes(e);
     index[e] = i;
-    row_.push_back(row(e));
-    reference_.push_back(reference(e));
-    for (std::size_t c = 0; c < max_corners; ++c) corner_[c].push_back(own[std::min(c, own.size() - 1)]);
+    rows.push_back(row(e));
+    references.push_back(reference(e));
+    for (std::size_t c = 0; c < max_corners; ++c) corners[c].push_back(own[std::min(c, own.size() - 1)]);
   }
-  for (std::vector<double>& values : several_reference_) values.clear();
-  for (std::vector<double>& values : several_direction_) values.clear();
+  row_ = std::move(rows);
+  reference_ = std::move(references);
+  for (std::size_t c = 0; c < max_corners; ++c) corner_[c] = std::move(corners[c]);
+  for (SharedVector<double>& values : several_reference_) values.clear();
+  for (SharedVector<double>& values : several_direction_) values.clear();
   first_several_batched_ = batched_.size();
   for (std::size_t i = 0; i < batched_.size(); ++i) {
     if (!reads_several(invariant_[batched_[i]])) continue;
@@ -160,21 +169,24 @@ void ElementLayout::fill_batches() {
     for (std::size_t c = 0; c < 3; ++c) several_direction_[c].push_back(own.direction[c]);
   }
   const auto pitch = static_cast<std::uint32_t>(batched_.size());
-  force_slots_.resize(shares_.size());
-  slot_stop_ = share_stop_;
-  for (std::size_t k = 0; k < slot_stop_.size(); ++k) {
+  std::vector<std::uint32_t> slots(shares_.size());
+  std::vector<std::size_t> stop = share_stop_.get();
+  for (std::size_t k = 0; k < stop.size(); ++k) {
     std::size_t at = share_start_[k];
     for (; at < share_stop_[k] && shares_[at].enclosure == no_enclosure; ++at)
-      force_slots_[at] = shares_[at].place * pitch + index[shares_[at].element];
-    slot_stop_[k] = at;
+      slots[at] = shares_[at].place * pitch + index[shares_[at].element];
+    stop[k] = at;
   }
+  force_slots_ = std::move(slots);
+  slot_stop_ = std::move(stop);
   if (internal_ != nullptr) fill_places();
 }
 
 void ElementLayout::fill_places() {
-  place_.assign(batched_.size(), 0);
+  std::vector<std::uint32_t> places(batched_.size(), 0);
   for (std::size_t i = 0; i < batched_.size(); ++i)
-    if (internal_->has(group(batched_[i]))) place_[i] = internal_->of_element(batched_[i]);
+    if (internal_->has(group(batched_[i]))) places[i] = internal_->of_element(batched_[i]);
+  place_ = std::move(places);
 }
 
 void ElementLayout::add_neighbours(std::uint32_t node, std::vector<std::uint32_t>& neighbours) const {
@@ -213,19 +225,21 @@ std::vector<std::uint32_t> ElementLayout::remove(const std::vector<std::uint32_t
   std::vector<std::uint32_t> removed;
   for (const std::uint32_t e : elements) {
     if (!alive(e)) continue;
-    alive_[e] = 0;
+    alive_.own()[e] = 0;
     removed.push_back(e);
     if (invariant_[e] == Invariant::enclosed_volume) --live_enclosures_;
   }
   if (removed.empty()) return removed;
   live_count_ -= removed.size();
+  std::vector<ElementShare>& all = shares_.own();
+  std::vector<std::size_t>& stop = share_stop_.own();
   for (const std::uint32_t e : removed) {
     for (const std::uint32_t node : nodes(e)) {
-      ElementShare* begin = shares_.data() + share_start_[node];
-      ElementShare* end = shares_.data() + share_stop_[node];
+      ElementShare* begin = all.data() + share_start_[node];
+      ElementShare* end = all.data() + stop[node];
       const ElementShare* kept =
           std::remove_if(begin, end, [this](const ElementShare& s) { return !alive(s.element); });
-      share_stop_[node] = static_cast<std::size_t>(kept - shares_.data());
+      stop[node] = static_cast<std::size_t>(kept - all.data());
     }
   }
   make_batches();

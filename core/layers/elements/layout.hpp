@@ -49,11 +49,11 @@ class ElementLayout {
   [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
   [[nodiscard]] bool alive(std::uint32_t element) const noexcept { return alive_[element] != 0; }
   [[nodiscard]] Invariant invariant(std::uint32_t element) const noexcept { return invariant_[element]; }
-  [[nodiscard]] std::uint32_t group(std::uint32_t element) const noexcept { return laws_.element_group[element]; }
-  [[nodiscard]] std::uint32_t row(std::uint32_t element) const noexcept { return laws_.element_row[element]; }
+  [[nodiscard]] std::uint32_t group(std::uint32_t element) const noexcept { return laws_->element_group[element]; }
+  [[nodiscard]] std::uint32_t row(std::uint32_t element) const noexcept { return laws_->element_row[element]; }
   [[nodiscard]] double reference(std::uint32_t element) const noexcept {
     if (reads_several(invariant_[element])) return rest(element).value;
-    return laws_.groups[group(element)].columns[0][row(element)];
+    return laws_->groups[group(element)].columns[0][row(element)];
   }
   // Nodes of an element as the engine numbers them, each once: its corners, or those of its enclosure by place.
   [[nodiscard]] std::span<const std::uint32_t> nodes(std::uint32_t element) const noexcept {
@@ -68,11 +68,11 @@ class ElementLayout {
     if (live_count_ == 0) return {};
     return {shares_.data() + share_start_[node], shares_.data() + share_stop_[node]};
   }
-  [[nodiscard]] const std::vector<ElementBatch>& batches() const noexcept { return batches_; }
-  [[nodiscard]] const std::vector<std::uint32_t>& batched() const noexcept { return batched_; }
+  [[nodiscard]] const std::vector<ElementBatch>& batches() const noexcept { return batches_.get(); }
+  [[nodiscard]] const std::vector<std::uint32_t>& batched() const noexcept { return batched_.get(); }
   // Corners and references of a batch, and the rows of its elements.
   [[nodiscard]] BatchCorners corners(const ElementBatch& batch) const noexcept {
-    const auto at = [&batch](const std::vector<std::uint32_t>& nodes) { return nodes.data() + batch.begin; };
+    const auto at = [&batch](const SharedVector<std::uint32_t>& nodes) { return nodes.data() + batch.begin; };
     return {
         {at(corner_[0]), at(corner_[1]), at(corner_[2]), at(corner_[3])}, reference_.data() + batch.begin, batch.count};
   }
@@ -87,6 +87,11 @@ class ElementLayout {
   void take_places(const InternalLayout& internal) {
     internal_ = &internal;
     fill_places();
+  }
+  // To be called for a copy: with copies of what it reads, which must stay.
+  void read(const CompiledLaws& laws, const InternalLayout& internal) noexcept {
+    laws_ = &laws;
+    if (internal_ != nullptr) internal_ = &internal;
   }
   // Of elements whose laws read several scalars; also of removed ones.
   [[nodiscard]] const SeveralRest& rest(std::uint32_t element) const noexcept {
@@ -110,7 +115,7 @@ class ElementLayout {
     Enclosure shape;
   };
   // By element, removed ones included.
-  [[nodiscard]] const std::vector<EnclosureElement>& enclosures() const noexcept { return enclosures_; }
+  [[nodiscard]] const std::vector<EnclosureElement>& enclosures() const noexcept { return enclosures_.get(); }
   [[nodiscard]] std::size_t live_enclosures() const noexcept { return live_enclosures_; }
 
   // Appends the nodes that share an element with a node; of an enclosure only those that share a triangle with it.
@@ -147,28 +152,28 @@ class ElementLayout {
     }
   }
 
-  const CompiledLaws& laws_;
-  std::vector<Invariant> invariant_;
-  std::vector<std::uint32_t> first_several_;  // [element] its number less its index in rest_; empty: there are none
-  std::vector<SeveralRest> rest_;
-  std::size_t first_several_batched_ = 0;                                      // they come last in batched()
-  std::vector<double> several_reference_[max_scalars], several_direction_[3];  // [batched, from there on]
-  std::vector<std::uint8_t> alive_;
+  const CompiledLaws* laws_;
+  SharedVector<Invariant> invariant_;
+  SharedVector<std::uint32_t> first_several_;  // [element] its number less its index in rest_; empty: there are none
+  SharedVector<SeveralRest> rest_;
+  std::size_t first_several_batched_ = 0;                                       // they come last in batched()
+  SharedVector<double> several_reference_[max_scalars], several_direction_[3];  // [batched, from there on]
+  SharedVector<std::uint8_t> alive_;
   std::size_t live_count_ = 0, live_enclosures_ = 0;
-  std::vector<std::size_t> start_;
-  std::vector<std::uint32_t> nodes_;
-  std::vector<EnclosureElement> enclosures_;
-  std::vector<std::size_t> share_start_, share_stop_;  // [node]; empty without elements
-  std::vector<ElementShare> shares_;
-  std::vector<ElementBatch> batches_;
-  std::vector<std::uint32_t> batched_;
+  SharedVector<std::size_t> start_;
+  SharedVector<std::uint32_t> nodes_;
+  SharedVector<EnclosureElement> enclosures_;
+  SharedVector<std::size_t> share_start_, share_stop_;  // [node]; empty without elements
+  SharedVector<ElementShare> shares_;
+  SharedVector<ElementBatch> batches_;
+  SharedVector<std::uint32_t> batched_;
   // [batched]
-  std::vector<std::uint32_t> corner_[max_corners], row_;
-  std::vector<double> reference_;
+  SharedVector<std::uint32_t> corner_[max_corners], row_;
+  SharedVector<double> reference_;
   const InternalLayout* internal_ = nullptr;  // null: no law has internal state
-  std::vector<std::uint32_t> place_;
-  std::vector<std::uint32_t> force_slots_;  // [share]
-  std::vector<std::size_t> slot_stop_;      // [node]
+  SharedVector<std::uint32_t> place_;
+  SharedVector<std::uint32_t> force_slots_;  // [share]
+  SharedVector<std::size_t> slot_stop_;      // [node]
 };
 
 template <class Crosses>

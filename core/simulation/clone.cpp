@@ -1,0 +1,53 @@
+// Simulation::clone(): a simulation whose engine shares with this one what neither changes (layers::Shared), and that
+// takes up all else from the bytes of a saved state.
+#include <springnet/simulation.hpp>
+
+#include <string>
+#include <utility>
+
+#include "simulation/implementation.hpp"
+#include "text/archive.hpp"
+
+namespace springnet {
+namespace {
+
+SimulationOptions without_profiler(SimulationOptions options) {
+  options.profiler = nullptr;
+  return options;
+}
+
+}  // namespace
+
+thread_local std::unique_ptr<Simulation::Impl> Simulation::Impl::made;
+
+Simulation::Impl::Impl(Impl& other, std::string_view state)
+    : network(other.network),
+      plugins(other.plugins),
+      options(without_profiler(other.options)),
+      component(other.component),
+      engine(other.engine, *network, options),
+      host(make_host_table(engine)),
+      identity(other.identity),
+      identity_of_network(other.identity_of_network) {
+  Archive archive(state);
+  this->archive(archive);
+  std::string memory;
+  archive.text(memory);
+  // At the state from which it goes on.
+  create_integrator();
+  try {
+    settle_history(memory);
+  } catch (...) {
+    destroy_integrator();
+    throw;
+  }
+}
+
+Simulation Simulation::clone() {
+  Impl& impl = impl_->between_steps();
+  const std::string state = impl.state();
+  Impl::made = std::make_unique<Impl>(impl, state);
+  return Simulation(impl.network, impl.plugins, impl.options);
+}
+
+}  // namespace springnet
