@@ -168,6 +168,8 @@ void Simulation::restore(std::string_view saved) {
     impl.drop_history();
   else
     impl.set_integrator_memory(memory);
+  impl.watchers.told = impl.engine.model().journal.events().size();  // what happened before is no news
+  impl.changed();
 }
 
 }  // namespace springnet
