@@ -308,13 +308,15 @@ void Simulation::Impl::advance_to(double until, const std::function<bool()>* go_
     if (until - next < -slack) break;
     const bool ends_here = std::abs(until - next) <= slack;
     make_step(ends_here ? until : next, [this] { ++grid_steps; });
-    if (ends_here || (go_on != nullptr && !(*go_on)())) return;
+    const bool goes_on = go_on == nullptr || (*go_on)();
+    if (ends_here || !goes_on) return;
   }
-  if (until - engine.model().time > slack)
-    make_step(until, [&] {
-      grid_start = until;
-      grid_steps = 0;
-    });
+  if (!(until - engine.model().time > slack)) return;
+  make_step(until, [&] {
+    grid_start = until;
+    grid_steps = 0;
+  });
+  if (go_on != nullptr) static_cast<void>((*go_on)());
 }
 
 const StepReport& Simulation::advance_to(double until) {

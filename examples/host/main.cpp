@@ -119,7 +119,7 @@ void run() {
   const springnet::Energies energies = simulation.energies();
   std::printf("greatest_tension_N %.9g\nenergy_of_springs_J %.9g\n", greatest_tension, energies.springs);
 
-  // An instrument pulls at the middle of the lower side, until its tip has come far enough: the rest is left out.
+  // An instrument pulls where a ray from below meets the lower side, near its middle.
   const springnet::NodeIndex middle = pick(simulation, 0.021, 0.019);
   std::printf("picked_node %u\nsprings_of_picked_node %zu\n", middle, simulation.springs_of(middle).size());
   simulation.set_force(middle, {0.0, 0.0, -0.2});

@@ -171,7 +171,9 @@ TEST_CASE("go_on ends advance_to after a step") {
   CHECK(simulation.time() == 7 * 0.01);
   CHECK(simulation.last_report().steps == 7);
   // It goes on as if it had never stopped, and shortens the last step.
-  simulation.advance_to(0.105, [] { return true; });
+  asked = 0;
+  simulation.advance_to(0.105, [&] { return ++asked > 0; });
+  CHECK(asked == 4);  // after the last one too
   CHECK(simulation.time() == 0.105);
   Simulation straight = simulate(ball_and_pair(), recurrent(newton, 1e-10), 0.01);
   straight.advance_to(0.105);
