@@ -86,6 +86,7 @@ class Obstacle {
       told_ = false;
     }
   }
+  [[nodiscard]] const Trajectory& trajectory() const noexcept { return trajectory_; }
   // Its motion was set since the start, by the embedding program.
   [[nodiscard]] bool told() const noexcept { return told_; }
   // Its motion or turn is a linear table that looks sampled from a smooth function.
@@ -110,6 +111,9 @@ class Obstacle {
   [[nodiscard]] double seam(const Pose& pose, const Vector3& x) const;
   // Projection onto the surface along its normal.
   [[nodiscard]] Vector3 onto(const Pose& pose, const Vector3& x) const;
+  // Distance at which a ray, whose direction has the length 1, first crosses the surface, m, from outside or from
+  // inside; empty if it does not.
+  [[nodiscard]] std::optional<double> meets(const Pose& pose, const Vector3& from, const Vector3& direction) const;
   // Angular frequency of its oscillation from `time` to its next change, rad/s; sampling times must be much closer than
   // its inverse. 0 if next_change() finds all changes.
   [[nodiscard]] double angular_frequency(double time) const noexcept { return trajectory_.angular_frequency(time); }

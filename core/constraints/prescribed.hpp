@@ -32,6 +32,9 @@ class Prescribed {
   [[nodiscard]] const Vector3& acceleration(const Samples& at, std::uint32_t node) const {
     return at[now_.motion_of[node]].acceleration;
   }
+  // The motion of a node with moves(): nodes with the same number follow the same.
+  [[nodiscard]] std::uint32_t number_of(std::uint32_t node) const noexcept { return now_.motion_of[node]; }
+  [[nodiscard]] const Trajectory& trajectory(std::uint32_t number) const { return now_.trajectories[number]; }
   // The greatest of Trajectory::typical_speed(), m/s.
   [[nodiscard]] double typical_speed() const noexcept;
   // The next time after `time` at which a velocity or acceleration may jump; s.

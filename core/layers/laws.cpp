@@ -287,6 +287,29 @@ Column<std::uint32_t> groups_of(const Column<MaterialIndex>& used, const std::ve
   return groups;
 }
 
+// Numbers the groups in the order in which springs, then elements first use them, whatever the order of the materials:
+// a node sums its forces group by group, so that networks with the same springs have the same bits.
+void order_groups(const Network& network, std::vector<MaterialLaws>& materials, std::vector<Group>& groups) {
+  constexpr std::uint32_t none = 0xffffffffu;
+  std::vector<std::uint32_t> number(groups.size(), none);
+  std::uint32_t next = 0;
+  const auto use = [&](MaterialIndex material) {
+    std::uint32_t& own = number[materials[material].group];
+    if (own == none) own = next++;
+  };
+  const Column<MaterialIndex>& of_springs = network.springs().materials();
+  const std::size_t springs = of_springs.is_uniform() ? std::min<std::size_t>(of_springs.size(), 1) : of_springs.size();
+  for (std::size_t s = 0; s < springs && next < groups.size(); ++s) use(of_springs[s]);
+  for (std::size_t e = 0; e < network.elements().size() && next < groups.size(); ++e)
+    use(network.elements()[e].material);
+  for (std::uint32_t& own : number)
+    if (own == none) own = next++;
+  std::vector<Group> sorted(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) sorted[number[g]] = std::move(groups[g]);
+  groups = std::move(sorted);
+  for (MaterialLaws& each : materials) each.group = number[each.group];
+}
+
 }  // namespace
 
 CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
@@ -318,6 +341,7 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
     }
     materials.push_back({group->second, std::move(parameters)});
   }
+  order_groups(network, materials, compiled.groups);
 
   const SpringList& springs = network.springs();
   compiled.group = groups_of(springs.materials(), materials);

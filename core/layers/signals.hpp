@@ -28,6 +28,7 @@ class Signals {
   void sample(double time);
   // From now on the signal has this value.
   void hold(std::uint32_t signal, double value);
+  [[nodiscard]] bool is_held(std::uint32_t signal) const { return replaced_.contains(signal); }
 
   // At the time of an evaluation, s.
   [[nodiscard]] double at(std::uint32_t signal, double time) const {

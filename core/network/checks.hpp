@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,13 @@ inline std::string seconds(double time) {
 
 inline double distance(const Vector3& a, const Vector3& b) {
   return std::hypot(a.x() - b.x(), a.y() - b.y(), a.z() - b.z());
+}
+
+// A direction with length 1. One that has it, up to rounding, keeps its bits, so that what is written and read again
+// stays the same.
+inline Vector3 to_unit(const Vector3& direction) {
+  constexpr double rounding = 8.0 * std::numeric_limits<double>::epsilon();
+  return std::abs(direction.squaredNorm() - 1.0) <= rounding ? direction : direction.stableNormalized();
 }
 
 inline void check_finite(const Vector3& v, std::string_view what) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "network/checks.hpp"
@@ -133,13 +134,15 @@ void Network::set_rest(ElementIndex index, std::vector<Vector3> rest, const Vect
   if (!direction.allFinite()) fail(fmt::format("{}: its direction must have finite numbers", what));
   Vector3 along = Vector3::Zero();
   if (direction != Vector3::Zero()) {
-    along = direction.stableNormalized();
+    along = to_unit(direction);
     if (rest.size() == 3) {
       const Vector3 normal = (rest[1] - rest[0]).cross(rest[2] - rest[0]).stableNormalized();
-      along -= normal.dot(along) * normal;
+      constexpr double rounding = 8.0 * std::numeric_limits<double>::epsilon();
+      const double out = normal.dot(along);
+      if (std::abs(out) > rounding) along -= out * normal;
       constexpr double least = 1e-6;  // sine of the angle to the normal: below it the plane's direction is rounding
       if (!(along.norm() > least)) fail(fmt::format("{}: its direction is normal to it: give one in its plane", what));
-      along.normalize();
+      along = to_unit(along);
     }
   }
   const auto p = [&rest](std::size_t k) -> invariants::Point { return {rest[k][0], rest[k][1], rest[k][2]}; };

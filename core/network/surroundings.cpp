@@ -1,6 +1,7 @@
 // External influences on a network: obstacles, motions, cuts, gravity.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -160,12 +161,12 @@ void Network::check_obstacle(std::string_view what, const PlaneOrInstrument& obs
 void Network::add_plane(const Plane& plane) {
   check_finite(plane.point, "a plane's point");
   check_finite(plane.normal, "a plane's normal");
-  const Vector3 normal = plane.normal.stableNormalized();
+  const Vector3 normal = to_unit(plane.normal);
   if (normal.isZero(0)) fail("a plane's normal must not be zero");
   check_obstacle("plane", plane);
   Plane& added = planes_.emplace_back(plane);
   added.normal = normal;
-  if (added.turn) added.turn->axis = added.turn->axis.stableNormalized();
+  if (added.turn) added.turn->axis = to_unit(added.turn->axis);
 }
 
 void Network::add_instrument(const Instrument& instrument) {
@@ -182,8 +183,13 @@ void Network::add_instrument(const Instrument& instrument) {
   }
   check_obstacle("instrument", instrument);
   Instrument& added = instruments_.emplace_back(instrument);
-  if (added.box) added.box->axes = Eigen::Quaterniond(added.box->axes).normalized().toRotationMatrix();
-  if (added.turn) added.turn->axis = added.turn->axis.stableNormalized();
+  if (added.box) {  // a rotation up to rounding keeps its bits
+    Eigen::Matrix3d& axes = added.box->axes;
+    constexpr double rounding = 8.0 * std::numeric_limits<double>::epsilon();
+    if (!(axes.transpose() * axes).isIdentity(rounding))
+      axes = Eigen::Quaterniond(axes).normalized().toRotationMatrix();
+  }
+  if (added.turn) added.turn->axis = to_unit(added.turn->axis);
 }
 
 void Network::add_move(const Move& move) {

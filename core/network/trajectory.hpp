@@ -31,6 +31,7 @@ class Trajectory {
   [[nodiscard]] const Vector3& amplitude() const noexcept { return motion_.amplitude; }
   // Greatest speed of a sinusoid, greatest mean speed between two entries of a table, m/s.
   [[nodiscard]] double typical_speed() const noexcept;
+  [[nodiscard]] const Motion& motion() const noexcept { return motion_; }
   // The motion.
   void archive(Archive& archive);
   // False if the displacement is 0 at all times.

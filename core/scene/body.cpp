@@ -8,6 +8,7 @@
 #include "network/checks.hpp"
 #include "network/spacing.hpp"
 #include "scene/component.hpp"
+#include "scene/lists.hpp"
 #include "scene/material.hpp"
 #include "scene/parts.hpp"
 #include "scene/shape.hpp"
@@ -29,9 +30,10 @@ Node read_prototype(const Table& body, const PluginHost& plugins, const Files& f
   if (mass && body.has("density")) {
     mass->fail("cannot be combined with 'density', which gives the masses; remove one of them");
   }
+  if (mass && body.has("masses")) mass->fail("cannot be combined with 'masses' of the body; remove one of them");
   if (mass) {
     node.mass = mass->number_above_0("kg");
-  } else if (!body.has("density")) {
+  } else if (!body.has("density") && !body.has("masses")) {
     neuron.fail(
         "has no mass; add 'mass' here, in kg, of each node, or 'density' to the body, in kg/m^3, which gives masses "
         "from "
@@ -167,6 +169,7 @@ struct BodyReader {
       body.find("springs")->at_this_place(
           [&] { network.add_spring(first + mesh.cell(c)[0], first + mesh.cell(c)[1], materials.front()); });
     }
+    read_own_lists(body, network);
     network.end_body();
     if (materials.size() > 1) set_materials(edges, materials);
     set_masses(masses);
@@ -179,6 +182,8 @@ struct BodyReader {
       body.fail("has no nodes; add mesh = { lattice = [4, 4, 4], spacing = 1.0 }, mesh = { file = … } or 'nodes'");
     }
     if (has_mesh && body.has("springs")) body.find("springs")->fail("a mesh has springs of its own; remove this key");
+    for (const char* key : {"rest_lengths", "masses", "velocities", "faces", "groups"})
+      if (has_mesh && body.has(key)) body.find(key)->fail("is for bodies of listed 'nodes'; a mesh has its own");
     if (!has_mesh) {
       read_listed_body();
       return {};

@@ -5,9 +5,11 @@
 
 #include "network/spacing.hpp"
 #include "scene/component.hpp"
+#include "scene/lists.hpp"
 #include "scene/pairs.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "scene/time_table.hpp"
 #include "text/grouped.hpp"
 
 namespace springnet::scene {
@@ -31,6 +33,8 @@ void read_connection(const Table& connect, const PluginHost& plugins, const File
   const double factor = scale ? scale->number_above_0("") : 1.0;
   std::optional<double> given;
   if (length) given = length->number_from_0("m");
+  const auto lengths = connect.find("rest_lengths");
+  if (lengths) refuse_beside(connect, {"rest_length", "rest_length_scale", "within", "nearest"}, "rest_lengths");
 
   const auto limit = [&](std::size_t, std::size_t) -> PairLimit {
     return {max_springs_found - found,
@@ -40,9 +44,11 @@ void read_connection(const Table& connect, const PluginHost& plugins, const File
   if (connect.has("within")) found += pairs.size();
   const Checked before{.springs = network.springs().size()};
   const MaterialIndex index = network.add_material(material);
-  for (const auto& [first, second] : pairs) {
-    connect.value().at_this_place([&, a = first, b = second] {
-      const SpringIndex spring = network.add_spring(a, b, index, given);
+  const std::vector<double> each = lengths ? numbers_for(*lengths, pairs.size(), "pair") : std::vector<double>();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    (lengths ? lengths->element(k) : connect.value()).at_this_place([&] {
+      if (lengths) given = each[k];
+      const SpringIndex spring = network.add_spring(pairs[k].first, pairs[k].second, index, given);
       if (scale) network.set_rest_length(spring, factor * network.springs()[spring].rest_length);
     });
   }
@@ -102,9 +108,14 @@ void read_rigid(const Table& rigid, Network& network, std::vector<std::string>& 
   const auto length = rigid.find("length");
   std::optional<double> given;
   if (length) given = length->number_above_0("m");
+  const auto lengths = rigid.find("lengths");
+  if (lengths) refuse_beside(rigid, {"length", "within", "nearest", "springs"}, "lengths");
+  const std::vector<double> each = lengths ? numbers_for(*lengths, pairs.size(), "pair") : std::vector<double>();
   const Checked before{network.springs().size(), network.elements().size(), network.rigids().size()};
-  for (const auto& [first, second] : pairs) {
-    (length ? *length : rigid.value()).at_this_place([&, a = first, b = second] { network.add_rigid(a, b, given); });
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Value place = lengths ? lengths->element(k) : length ? *length : rigid.value();
+    place.at_this_place(
+        [&] { network.add_rigid(pairs[k].first, pairs[k].second, lengths ? std::optional<double>(each[k]) : given); });
   }
   rigid.value().at_this_place([&] { check_spacing(network, before); });
   note_cost(rigid, pairs, notes);

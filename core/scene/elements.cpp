@@ -13,8 +13,10 @@
 #include "network/spacing.hpp"
 #include "scene/chosen.hpp"
 #include "scene/component.hpp"
+#include "scene/lists.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "scene/time_table.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -170,12 +172,13 @@ NodeLists read_lists(const Value& lists, const Table& table, const Network& netw
   return result;
 }
 
-// Lengths at rest are those of the present times a factor.
+// Lengths at rest are those of the present times a factor, or between the places at rest, if there are any.
 void add_several(Network& network, Invariant shape, const std::vector<NodeIndex>& nodes, MaterialIndex material,
-                 double factor, const Vector3& direction) {
+                 double factor, const Vector3& direction, const std::vector<Value>& places) {
   std::vector<Vector3> rest;
+  for (const Value& place : places) rest.push_back(place.vector());
   const Vector3& origin = network.nodes()[nodes[0]].position;
-  for (const NodeIndex node : nodes)
+  for (const NodeIndex node : places.empty() ? nodes : std::vector<NodeIndex>())
     rest.push_back(factor == 1.0 ? network.nodes()[node].position
                                  : Vector3(origin + factor * (network.nodes()[node].position - origin)));
   network.add_element(shape, nodes, material, std::move(rest), direction);
@@ -222,20 +225,37 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
     direction->fail("has no meaning for these laws, which are the same in all directions; remove it");
   const Vector3 along = direction ? direction->vector() : Vector3::Zero();
 
+  const std::array<std::optional<Value>, 3> own{table.find("references"), table.find("rests"),
+                                                table.find("directions")};
+  if (own[0]) refuse_beside(table, {"reference", "reference_scale", "select"}, "references");
+  if (own[1]) refuse_beside(table, {"reference_scale", "select"}, "rests");
+  if (own[2]) refuse_beside(table, {"direction", "select"}, "directions");
+  if (own[0] && several) own[0]->fail("has no meaning for laws over several scalars; write 'rests'");
+  for (const auto& each : {own[1], own[2]})
+    if (each && !several) each->fail(fmt::format("has no meaning for {}", name_of(invariant)));
+  if (own[2] && !check.reads_direction())
+    own[2]->fail("has no meaning for these laws, which are the same in all directions; remove it");
+
   const NodeLists elements =
       lists ? read_lists(*lists, table, network) : find_elements(*selection, invariant, network, shapes);
   const MaterialIndex index = network.add_material(material);
   const auto first = static_cast<ElementIndex>(network.elements().size());
   const std::vector<Value> places = lists ? lists->elements() : std::vector<Value>();
+  const std::vector<double> references =
+      own[0] ? numbers_for(*own[0], elements.size(), "element") : std::vector<double>();
+  for (const auto& each : {own[1], own[2]})
+    if (each) static_cast<void>(each->elements(elements.size()));
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const Value& place = lists ? places[k] : *selection;
     const auto number = static_cast<ElementIndex>(network.elements().size());
     place.at_this_place([&] {
       if (several) {
-        add_several(network, invariant, elements[k], index, factor, along);
+        add_several(network, invariant, elements[k], index, factor, own[2] ? own[2]->element(k).vector() : along,
+                    own[1] ? own[1]->element(k).elements(elements[k].size()) : std::vector<Value>());
         return;
       }
-      const ElementIndex element = network.add_element(invariant, elements[k], index, given);
+      const ElementIndex element =
+          network.add_element(invariant, elements[k], index, own[0] ? std::optional<double>(references[k]) : given);
       if (scale) network.set_reference(element, factor * network.elements()[element].reference);
     });
     check(place, network, number);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -22,6 +23,10 @@ struct Files {
   OutsideFiles outside = OutsideFiles::refused;
   LoadingCallback loading{};  // empty: nothing is told
   std::shared_ptr<CsvFiles> csv = std::make_shared<CsvFiles>();
+  // Laws that were given as formulas, by their texts and declarations: the same again is the same component, so that
+  // its springs are evaluated together.
+  std::shared_ptr<std::map<std::string, std::shared_ptr<const Component>>> known_formulas =
+      std::make_shared<std::map<std::string, std::shared_ptr<const Component>>>();
   std::vector<SceneFormula>* formulas = nullptr;  // gets every law that is read as a formula; null: not wanted
 
   // Resolves a path of the scene relative to its folder. Every reader of a file uses this. Throws Error(input) if the

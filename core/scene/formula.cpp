@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <springnet/error.hpp>
 #include <springnet/formula.hpp>
@@ -120,6 +121,44 @@ void add_given(const Table& table, const Value& place, const std::vector<Materia
   }
 }
 
+// All that a formula's component is made of, but for scales of parameters, which mostly come from their values: those
+// of the first use count.
+std::string key_of(const LawFormula& law) {
+  std::string key = fmt::format("{}|{}|{}|{}|{}{}{}{}{}", static_cast<int>(law.kind), static_cast<int>(law.shape),
+                                law.smallest_stretch, law.largest_stretch, law.pulls_only, law.monotone,
+                                law.not_zero_at_rest, law.adds_power, law.smooth_rates);
+  const auto add = [&](const auto&... parts) { ((key += fmt::format("|{}", parts)), ...); };
+  const auto add_text = [&](const std::string& text) { add(text.size(), text); };
+  for (const std::string* text : {&law.force, &law.energy, &law.margin, &law.summary}) add_text(*text);
+  for (const std::vector<FormulaSymbol>* list : {&law.parameters, &law.inputs})
+    for (const FormulaSymbol& each : *list) {
+      for (const std::string* text : {&each.name, &each.unit, &each.summary}) add_text(*text);
+      add(list == &law.inputs, each.preset, each.smallest, each.largest, each.excludes_smallest, each.learnable);
+    }
+  for (const FormulaCurve& each : law.curves) {
+    add_text(each.name);
+    for (const std::vector<double>* list : {&each.x, &each.y}) add(fmt::format("{}", fmt::join(*list, ",")));
+  }
+  for (const FormulaState& each : law.states) {
+    for (const std::string* text : {&each.name, &each.rate, &each.unit, &each.summary}) add_text(*text);
+    add(each.start, each.smallest, each.largest, each.scale);
+  }
+  for (const FormulaScalar& each : law.scalars) {
+    add_text(each.name);
+    add_text(each.of);
+  }
+  for (const std::string& each : law.forces) add_text(each);
+  return key;
+}
+
+LawUse use_of(const LawFormula& law, const ParameterValues& values, const Files& files) {
+  if (files.formulas != nullptr) return law_of(law, values);  // each place is told apart
+  std::shared_ptr<const Component>& known = (*files.known_formulas)[key_of(law)];
+  LawUse use = known == nullptr ? law_of(law, values) : LawUse{"formula", values, {}, known};
+  known = use.component;
+  return use;
+}
+
 }  // namespace
 
 bool is_formula_of(const Table& table) {
@@ -181,7 +220,7 @@ LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, 
   }
   const Value place = formula ? *formula : *table.find_parameter("energy");
   add_given(table, place, given, law, values);
-  LawUse use = place.at_this_place([&] { return law_of(law, values); });
+  LawUse use = place.at_this_place([&] { return use_of(law, values, files); });
   place.at_this_place([&] { check_units(law, elements); });
   if (stretch && use.component->law().invariant == SPRINGNET_RELATIVE_SPEED)
     stretch->fail("has no meaning for a law of the relative speed; remove it");

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "scene/chosen.hpp"
+#include "scene/lists.hpp"
 #include "scene/parts.hpp"
 #include "scene/time_table.hpp"
 
@@ -80,6 +81,14 @@ void add_faces(const Value& selection, const Chosen& chosen, std::size_t index, 
   }
 }
 
+// Listed faces, which need not be those of a body, with their areas if these are not those of the scene.
+void read_faces(const Value& faces, const std::optional<Value>& areas, const Network& network, Load& load) {
+  for (const Value& face : faces.elements()) load.faces.push_back(read_face(face, nullptr, network));
+  if (load.faces.empty()) faces.fail("lists no face; give the nodes of one or more, as [[0, 1, 2], [1, 2, 3]]");
+  if (areas)
+    for (const Value& area : areas->elements(load.faces.size())) load.areas.push_back(area.vector());
+}
+
 // Whether each selected node is a corner of a selected face.
 bool is_surface(const std::vector<NodeIndex>& nodes, const std::vector<Face>& faces) {
   std::vector<NodeIndex> corners;
@@ -111,7 +120,10 @@ void read_force(const Table& table, const std::vector<Shape>& shapes, Scene& sce
   Network& network = scene.network;
   const std::size_t index = network.loads().size();
   const std::string_view kind = kind_of(table);
-  const Value value = *table.find(kind), selection = table.need("select");
+  const auto faces = table.find("faces");
+  if (faces) refuse_beside(table, {"select", "force", "total"}, "faces");
+  if (const auto areas = table.find("areas"); areas && !faces) areas->fail("requires 'faces'; remove it");
+  const Value value = *table.find(kind), selection = faces ? *faces : table.need("select");
   if (kind != "total") {
     if (const auto share = table.find("share")) share->fail("requires 'total'; remove it");
   }
@@ -123,11 +135,15 @@ void read_force(const Table& table, const std::vector<Shape>& shapes, Scene& sce
     load.force = value.vector();
     load.nodes = select_nodes(selection, network);
   } else {
-    const Chosen chosen(selection, network, shapes);
+    const std::optional<Chosen> chosen =
+        faces ? std::nullopt : std::optional<Chosen>(std::in_place, selection, network, shapes);
     if (kind == "total") {
-      share_total(table, value.vector(), chosen, index, scene, load);
+      share_total(table, value.vector(), *chosen, index, scene, load);
     } else {
-      add_faces(selection, chosen, index, scene, load);
+      if (faces)
+        read_faces(*faces, table.find("areas"), network, load);
+      else
+        add_faces(selection, *chosen, index, scene, load);
       if (kind == "traction") {
         load.traction = value.vector();
       } else {

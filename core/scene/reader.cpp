@@ -9,6 +9,7 @@
 #include <springnet/printable.hpp>
 #include <springnet/suggestion.hpp>
 
+#include "network/checks.hpp"
 #include "scene/keys.hpp"
 #include "text/grouped.hpp"
 
@@ -187,7 +188,7 @@ Vector3 Value::vector() const {
 Vector3 Value::direction() const {
   const Vector3 given = vector();
   if (!(given.stableNorm() > 0)) fail("has length zero; give a direction, as [0, 0, 1]");
-  return given.stableNormalized();
+  return checks::to_unit(given);
 }
 
 Table Value::open_table(std::string_view schema) const { return {*this, schema}; }

@@ -119,7 +119,12 @@ void read_box(const Table& table, Instrument& instrument) {
   const std::vector<Value> sides = table.need("size").elements(3);
   for (std::size_t k = 0; k < 3; ++k) box.size[static_cast<Eigen::Index>(k)] = sides[k].number_above_0("m");
   if (const auto rotation = table.find("rotation")) {
+    refuse_beside(table, {"axes"}, "rotation");
     box.axes = read_rotation(rotation->table("instrument.box.rotation"));
+  }
+  if (const auto axes = table.find("axes")) {
+    const std::vector<Value> columns = axes->elements(3);
+    for (std::size_t k = 0; k < 3; ++k) box.axes.col(static_cast<Eigen::Index>(k)) = columns[k].vector();
   }
   if (const auto radius = table.find("radius")) {
     box.radius = radius->number_from_0("m");

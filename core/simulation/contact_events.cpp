@@ -298,7 +298,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
     }
   }
   if (!broken.empty() || !broken_elements.empty())
-    topology_.remove({broken, broken_elements, {}}, Event::Kind::ruptured, time);
+    topology_.remove({broken, broken_elements, {}}, Event::Kind::ruptured, time, state.nodes());
   if (const springnet_status status = settle(model_, time, state, findings); status != SPRINGNET_OK) return status;
   return model_.evaluator.evaluate(time, state.nodes(), model_.external_at(time), state.forces(), {},
                                    model_.journal.message);

@@ -68,6 +68,7 @@ void Simulation::set_position(NodeIndex node, const Vector3& position) {
                               -distance, contact.obstacles()[j].is_plane() ? "behind" : "inside", contact.name_of(j)));
   }
   springnet::set_node(impl_->changed_state(), k, position, std::nullopt);
+  impl_->changed();
 }
 void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
   check_finite(velocity, fmt::format("velocity of node {}", node));
@@ -76,9 +77,11 @@ void Simulation::set_velocity(NodeIndex node, const Vector3& velocity) {
     throw Error(ErrorKind::input,
                 fmt::format("node {} is fixed and has no velocity; set_fixed(node, false) first", node));
   springnet::set_node(impl_->changed_state(), k, std::nullopt, velocity);
+  impl_->changed();
 }
 void Simulation::set_fixed(NodeIndex node, bool fixed) {
   springnet::set_fixed(impl_->changed_state(), impl_->engine_node(node), fixed);
+  impl_->changed();
 }
 void Simulation::move_surface(std::size_t surface, const Vector3& position, double time) {
   impl_->check_surface_index(surface);
@@ -93,21 +96,25 @@ LocalForce Simulation::local_force(NodeIndex node, double over) {
   const std::uint32_t k = impl_->engine_node(node);
   if (impl_->engine.model().contact.fixed()[k] == 0)
     throw Error(ErrorKind::input, fmt::format("node {} is free: nothing holds it; set_fixed or move_node first", node));
-  const double step = impl_->between_steps().local_time(over);
+  const double step = impl_->outside_of_steps().local_time(over);
   return {time(), position(node), -reaction(node), impl_->engine.local_force().stiffness_of_node(k, step)};
 }
 LocalForce Simulation::local_surface_force(std::size_t surface, double over) {
   impl_->check_surface_index(surface);
-  const double step = impl_->between_steps().local_time(over);
+  const double step = impl_->outside_of_steps().local_time(over);
   return {time(), surface_position(surface), surface_force(surface),
           impl_->engine.local_force().stiffness_of_surface(surface, step)};
 }
 std::size_t Simulation::cut(const std::vector<SpringIndex>& springs) {
   for (const SpringIndex s : springs) impl_->check_spring(s);
-  return impl_->between_steps().engine.topology().cut(springs);
+  const std::size_t removed = impl_->between_steps().engine.topology().cut(springs);
+  impl_->changed();
+  return removed;
 }
 std::size_t Simulation::cut_polygon(const std::vector<Vector3>& corners) {
-  return impl_->between_steps().engine.topology().cut(CuttingPolygon(corners));
+  const std::size_t removed = impl_->between_steps().engine.topology().cut(CuttingPolygon(corners));
+  impl_->changed();
+  return removed;
 }
 
 }  // namespace springnet

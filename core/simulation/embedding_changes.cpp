@@ -15,15 +15,20 @@ Motion straight(const Model& model, double until, const Vector3& start, const Ve
   return motion;
 }
 
-void release(Model& model, std::uint32_t node) {
+// velocity: m/s, before the change.
+void release(Model& model, std::uint32_t node, const Vector3& velocity) {
+  const std::shared_ptr<const Placement> now = model.placement_now();
   for (const std::int32_t surface : model.contact.committed(node).surfaces())
-    if (surface >= 0) model.record(Event::Kind::released, model.time, node, surface);
+    if (surface >= 0)
+      model.record(Event::Kind::released, model.time, node, surface,
+                   {vector_at(model.state.view.position, node), velocity}, *now);
   model.contact.release(node);
 }
 
 void set_velocity(Model& model, std::uint32_t node, const Vector3& velocity) {
   Contact& contact = model.contact;
   const springnet_vectors& velocities = model.state.view.velocity;
+  const Vector3 before = vector_at(velocities, node);
   put_vector(velocities, node, velocity);
   const Touch touch = contact.committed(node);
   if (touch.surface < 0) return;
@@ -34,7 +39,7 @@ void set_velocity(Model& model, std::uint32_t node, const Vector3& velocity) {
   const double separating = n.dot(velocity - w);
   // A node between two obstacles is released; it touches again those that it still approaches.
   if (touch.second >= 0 || separating > 0.0) {
-    release(model, node);
+    release(model, node, before);
   } else if (contact.obstacles()[j].friction().kind == Friction::Kind::held) {
     put_vector(velocities, node, w);
   } else {

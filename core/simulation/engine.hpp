@@ -78,7 +78,7 @@ class Engine {
   // Settles contacts and ruptures after changes from outside.
   springnet_status settle();
   // End of a step, with sweeps or another method: makes the committed state satisfy its constraints.
-  springnet_status commit_sweeps();
+  springnet_status commit_sweeps(const State& before);
   springnet_status commit_solution(const State& before, bool jumps);
   // For jumps of prescribed velocities at the committed time. from: s, the time committed before. sweeps_follow: the
   // sweeps of the coming step decide whether nodes separate from surfaces whose motion the program told; nodes then go

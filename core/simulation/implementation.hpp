@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -20,6 +21,8 @@
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
 #include "simulation/identity.hpp"
+#include "simulation/torn_faces.hpp"
+#include "simulation/watchers.hpp"
 
 namespace springnet {
 
@@ -63,8 +66,20 @@ struct Simulation::Impl {
           ErrorKind::input,
           "a simulation cannot be stepped or changed within its own step, by a law, neuron or integrator: do it "
           "between two steps");
+    if (watchers.are_called)
+      throw Error(ErrorKind::input,
+                  "a simulation cannot be stepped or changed by its own callbacks of events and steps: they may read "
+                  "it, and note what is to be done after the call of step() or advance_to()");
+    ++state_version;
     return *this;
   }
+  // For what leaves the state as it is, which callbacks may ask for too.
+  Impl& outside_of_steps() { return in_step ? between_steps() : *this; }
+  // To be called when a change of positions, velocities, springs or elements is complete, and after each step: keeps a
+  // snapshot, and tells the callbacks, which may throw.
+  void changed();
+  void stepped();
+  void publish();
   [[nodiscard]] std::string broken_by(std::string_view what) const {
     return fmt::format("{}: {}", full_name_with_file(*component), what);
   }
@@ -91,6 +106,19 @@ struct Simulation::Impl {
   }
   void require_abilities() const;
   void advance(double until);
+  // The same for a step of the program, after which the callbacks are told.
+  template <class Finish>
+  void make_step(double until, const Finish& finish) {
+    try {
+      advance(until);
+    } catch (...) {
+      changed();  // events until then have happened
+      throw;
+    }
+    finish();
+    stepped();
+  }
+  void advance_to(double until, const std::function<bool()>* go_on);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
     if (node >= engine.model().layout.node_count())
       throw Error(ErrorKind::input, fmt::format("node {} does not exist: the network has nodes 0 to {}", node,
@@ -178,6 +206,10 @@ struct Simulation::Impl {
   // The next step ends at grid_start + (grid_steps + 1) time_step, so that rounding does not add up.
   double grid_start = 0.0;
   std::uint64_t grid_steps = 0;
+  Watchers watchers;
+  std::uint64_t state_version = 1;  // increases whenever the state may change
+  mutable KeptNumbers kept_reactions, kept_tensions, kept_energies;
+  mutable TornFaces torn_faces;
 };
 
 }  // namespace springnet

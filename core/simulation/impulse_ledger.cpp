@@ -89,7 +89,7 @@ springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, R
   return SPRINGNET_OK;
 }
 
-springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
+springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& before) {
   done_ = done;
   const double time = model_.time;
   const bool surfaces_exist = !model_.contact.obstacles().empty();
@@ -148,8 +148,10 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
   const auto record = [&](const ContactChange& change) {
     static constexpr Event::Kind kinds[] = {Event::Kind::touched, Event::Kind::released, Event::Kind::slipped,
                                             Event::Kind::stuck};
-    Event event{kinds[static_cast<std::size_t>(change.kind)], time, model_.user_number(change.node)};
-    event.surface = change.surface;
+    // Where the step ends; the sweeps have no other velocity before the contact than that with which it began.
+    const Model::NodeAt state{vector_at(model_.state.view.position, change.node),
+                              vector_at(before.view.velocity, change.node)};
+    Vector3 impulse = Vector3::Zero();
     // If the reaction at the end exceeds that over the step, or the error of the method outweighs the impact, the
     // difference is a pull: then the event has no impulse, but the node's sum of impulses still includes it.
     if (const auto impact = impacts.find({change.node, change.surface});
@@ -158,8 +160,8 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done) {
                 .normal(*at, static_cast<std::size_t>(change.surface),
                         vector_at(model_.state.view.position, change.node))
                 .dot(impact->second) >= 0.0)
-      event.impulse = impact->second;
-    model_.journal.record(event);
+      impulse = impact->second;
+    model_.record(kinds[static_cast<std::size_t>(change.kind)], time, change.node, change.surface, state, *at, impulse);
   };
   for (const ContactChange& change : changes) record(change);
   model_.contact.update_slip_directions(*at, read_only(model_.state.view.position),

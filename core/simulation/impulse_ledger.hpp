@@ -25,8 +25,8 @@ class ImpulseLedger {
   // Before the first sweep of a step, at the committed state.
   springnet_status begin_step();
   // After the last sweep, once its state is committed: commits the contacts that the sweeps decided, records their
-  // events, and adds up impulses.
-  springnet_status commit(const Sweep::Done& done);
+  // events, and adds up impulses. before: the state before the step.
+  springnet_status commit(const Sweep::Done& done, const State& before);
   // At a committed state.
   void archive(Archive& archive) {
     withheld_.resize(archive.count(withheld_.size(), 3 * sizeof(double), "impulses"), Vector3::Zero());

@@ -12,17 +12,9 @@ constexpr std::size_t max_notes = 200, max_numbers = 500, max_note_length = 2000
 
 }  // namespace
 
-void Journal::record(Event::Kind kind, double time, std::uint32_t user_node, std::int32_t surface,
-                     const Vector3& impulse) {
-  Event event{kind, time, user_node};
-  event.surface = surface;
-  event.impulse = impulse;
-  events_.push_back(event);
-}
-
 void Journal::archive(Archive& archive) {
   const std::lock_guard guard(lock_);
-  constexpr std::size_t least_event = 50;  // bytes
+  constexpr std::size_t least_event = 137;  // bytes
   events_.resize(archive.count(events_.size(), least_event, "events"));
   for (Event& each : events_) {
     archive.below(each.kind, 7, "a kind of events");
@@ -30,7 +22,9 @@ void Journal::archive(Archive& archive) {
     archive.number(each.index);
     archive.flag(each.element);
     archive.number(each.surface);
-    archive.vector(each.impulse);
+    for (Vector3* vector : {&each.impulse, &each.position, &each.velocity, &each.normal}) archive.vector(*vector);
+    archive.number(each.value);
+    archive.number(each.force);
   }
   notes_.resize(archive.count(notes_.size(), sizeof(std::uint64_t), "notes"));
   for (std::string& each : notes_) archive.text(each);

@@ -26,9 +26,6 @@ class Journal {
   // Events, notes and numbers.
   void archive(Archive& archive);
   void record(const Event& event) { events_.push_back(event); }
-  // Records an event of a node and an obstacle. impulse: N s.
-  void record(Event::Kind kind, double time, std::uint32_t user_node, std::int32_t surface,
-              const Vector3& impulse = Vector3::Zero());
   // Notes are kept once each. Beyond a few hundred, notes and numbers are dropped: an integrator that reports something
   // new in every step must not fill the memory.
   void note(const std::string& text);

@@ -77,8 +77,8 @@ void destroy(const springnet_integrator& functions, void* integrator) noexcept {
 
 }  // namespace
 
-LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins)
-    : engine_(network, plugins, {}), table_(make_host_table(engine_)) {}
+LimitSurvey::LimitSurvey(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+    : engine_(network, plugins, options), table_(make_host_table(engine_)) {}
 
 std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const ParameterValues& parameters) {
   const springnet_integrator& functions = component.integrator();

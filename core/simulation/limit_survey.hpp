@@ -25,7 +25,7 @@ struct ReportedLimit {
 class LimitSurvey {
  public:
   // Throws like Simulation.
-  LimitSurvey(const Network& network, const PluginHost& plugins);
+  LimitSurvey(const Network& network, const PluginHost& plugins, const SimulationOptions& options = {});
 
   // Rule by rule; empty if the integrator reports none. An integrator that fails, or does not take the parameters,
   // gives one unknown limit with the reason.

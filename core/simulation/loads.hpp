@@ -38,6 +38,9 @@ class Loads {
   void faces_changed();
 
   void set_host_force(std::uint32_t node, const Vector3& force);
+  [[nodiscard]] Vector3 host_force(std::uint32_t node) const {
+    return host_[0].empty() ? Vector3(Vector3::Zero()) : Vector3(host_[0][node], host_[1][node], host_[2][node]);
+  }
   void set_gravity(const Vector3& acceleration) noexcept { gravity_ = acceleration; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
   // What changes over time, and what the program has set.

@@ -171,6 +171,17 @@ double Model::contact_tolerance() const noexcept {
 
 double Model::no_speed() const noexcept { return rounding_of_speed * scales.velocity; }
 
+void Model::record(Event::Kind kind, double at, std::uint32_t node, std::int32_t surface, const NodeAt& node_at,
+                   const Placement& placed, const Vector3& impulse) {
+  Event event{kind, at, user_number(node)};
+  event.surface = surface;
+  event.impulse = impulse;
+  event.position = node_at.position;
+  event.velocity = node_at.velocity;
+  if (surface >= 0) event.normal = contact.normal(placed, static_cast<std::size_t>(surface), node_at.position);
+  journal.record(event);
+}
+
 void Model::explain(double at, const layers::NodeArrays& nodes, layers::Requested requested) {
   if (journal.non_finite.empty())
     journal.non_finite = explain_failure(layout, evaluator.instruction_set(), at, nodes, requested);

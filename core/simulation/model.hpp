@@ -100,11 +100,13 @@ struct Model {
   [[nodiscard]] double no_speed() const noexcept;
   // The committed state, and all that has changed since the start.
   void archive(Archive& archive);
-  // Records an event of a node (engine's number) and an obstacle.
-  void record(Event::Kind kind, double at, std::uint32_t node, std::int32_t surface,
-              const Vector3& impulse = Vector3::Zero()) {
-    journal.record(kind, at, user_number(node), surface, impulse);
-  }
+  // Where a node is in an event, and how it moves before the event changes that; m, m/s.
+  struct NodeAt {
+    Vector3 position, velocity;
+  };
+  // Records an event of a node (engine's number) and an obstacle (-1: unknown), which is at `placed`. impulse: N s.
+  void record(Event::Kind kind, double at, std::uint32_t node, std::int32_t surface, const NodeAt& node_at,
+              const Placement& placed, const Vector3& impulse = Vector3::Zero());
   // Remembers why numbers are not finite at a state, unless that is known.
   void explain(double at, const layers::NodeArrays& nodes, layers::Requested requested = layers::Requested::forces);
   // The same of an evaluation that a law or a neuron ended; returns `status`.

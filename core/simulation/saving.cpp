@@ -154,6 +154,8 @@ void Simulation::Impl::take_up(std::string_view bytes) {
     drop_history();
     throw;
   }
+  watchers.told = engine.model().journal.events().size();  // what happened before is no news
+  changed();
 }
 
 void Simulation::Impl::settle_history(std::string_view memory) {

@@ -197,16 +197,20 @@ void Settling::apply_impulses(const Island& island) {
 }
 
 // Commits the contact that was found for a node.
-void Settling::commit_contact(const ContactNode& node) {
+void Settling::commit_contact(const ContactNode& node, const Vector3& came) {
   Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
+  const Model::NodeAt at{vector_at(state_.view.position, k), came};
+  const auto record = [&](Event::Kind kind, std::int32_t surface, const Vector3& impulse = Vector3::Zero()) {
+    model_.record(kind, time_, k, surface, at, *at_, impulse);
+  };
   const Touch before = contact.committed(k);
   Touch now = before;
   bool arrived = false;
   for (const ContactSide& side : node.sides) {
     if (side.active || !before.has(side.surface)) continue;
     now = after(now, {ContactCause::Kind::release, side.surface});
-    model_.record(Event::Kind::released, time_, k, side.surface);
+    record(Event::Kind::released, side.surface);
     if (!side.separating) part(k, side);
   }
   const bool stays = now.surface >= 0;
@@ -216,22 +220,22 @@ void Settling::commit_contact(const ContactNode& node) {
     if (!side.active && node.impulse[s].isZero(0.0)) continue;
     // The impulses that end rocking may draw a node back; these are not impacts.
     const bool pulls = side.normal.dot(node.impulse[s]) < 0.0;
-    model_.record(Event::Kind::touched, time_, k, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
+    record(Event::Kind::touched, side.surface, pulls ? Vector3(Vector3::Zero()) : node.impulse[s]);
     if (side.active) {
       now = after(now, {ContactCause::Kind::touch, side.surface, node.sticks});
       arrived = true;
     } else {
       // It rebounds from the surface itself, so that its next touch falls through the tolerance again.
-      model_.record(Event::Kind::released, time_, k, side.surface);
+      record(Event::Kind::released, side.surface);
       put_vector(state_.view.position, k,
                  contact.onto(*at_, static_cast<std::size_t>(side.surface), vector_at(state_.view.position, k)));
       rebounds_[k].push_back(side.surface);
     }
   }
   now = after(now, {node.sticks ? ContactCause::Kind::stick : ContactCause::Kind::slip});
-  if (stays && finding(k).slip_ended) model_.record(Event::Kind::stuck, time_, k, now.surface);
+  if (stays && finding(k).slip_ended) record(Event::Kind::stuck, now.surface);
   if (stays && now.slides != (before.slides && !finding(k).slip_ended))
-    model_.record(now.slides ? Event::Kind::slipped : Event::Kind::stuck, time_, k, now.surface);
+    record(now.slides ? Event::Kind::slipped : Event::Kind::stuck, now.surface);
   if (now != before || finding(k).slip_ended || finding(k).slips) model_.changed();
   const bool was_braced = contact.braced(k), braced = node.braced && node.sticks && now.count() == 1;
   if (was_braced != braced) model_.changed();
@@ -354,6 +358,8 @@ springnet_status Settling::settle(std::uint32_t node) {
   for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
   Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
                                         : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / model_.mass[node]));
+  std::vector<Vector3> came;  // m/s, [node of the island]
+  for (const std::uint32_t each : contact_nodes_) came.push_back(vector_at(state_.view.velocity, each));
   const double approached = island.approach();
   bool struck = island.apply_impact(rebound_of(island), no_speed_);
   // No impulses end the approach of obstacles between which a body is caught.
@@ -396,13 +402,16 @@ springnet_status Settling::settle(std::uint32_t node) {
         return status;
       break;
     }
-    for (const ContactNode& each : island.nodes())
+    for (std::size_t i = 0; i < island.nodes().size(); ++i) {
+      const ContactNode& each = island.nodes()[i];
       for (std::size_t s = 0; s < each.sides.size(); ++s)
         if (!each.impulse[s].isZero(0.0))
-          model_.record(Event::Kind::jammed, time_, each.node, each.sides[s].surface, each.impulse[s]);
+          model_.record(Event::Kind::jammed, time_, each.node, each.sides[s].surface,
+                        {vector_at(state_.view.position, each.node), came[i]}, *at_, each.impulse[s]);
+    }
   }
   for (std::size_t i = 0; i < impulses.size(); ++i) island.nodes()[i].impulse = impulses[i];
-  for (const ContactNode& each : island.nodes()) commit_contact(each);
+  for (std::size_t i = 0; i < island.nodes().size(); ++i) commit_contact(island.nodes()[i], came[i]);
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& each = island.nodes()[i];
     find_phase(each, island.acceleration(i), min_force * model_.scales.force / model_.mass[each.node]);

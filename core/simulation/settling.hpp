@@ -64,7 +64,8 @@ class Settling {
   // Finds which nodes slip, and in which direction, from their velocities.
   void find_slips(Island& island) const;
   void begin_slips(Island& island) const;
-  void commit_contact(const ContactNode& node);
+  // came: m/s, its velocity before the impulses.
+  void commit_contact(const ContactNode& node, const Vector3& came);
   void part(std::uint32_t node, const ContactSide& side);
   // acceleration, and its rounding: m/s^2.
   void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);

@@ -279,8 +279,7 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 const StepReport& Simulation::step() {
   impl_->between_steps().last = {};
   const double until = impl_->grid_start + static_cast<double>(impl_->grid_steps + 1) * impl_->options.time_step;
-  impl_->advance(until);
-  ++impl_->grid_steps;
+  impl_->make_step(until, [this] { ++impl_->grid_steps; });
   return impl_->last;
 }
 
@@ -295,30 +294,42 @@ const StepReport& Simulation::step_within(double seconds) {
   return step();
 }
 
-const StepReport& Simulation::advance_to(double until) {
-  Impl& impl = impl_->between_steps();
-  if (!(until >= time()) || !std::isfinite(until))
+void Simulation::Impl::advance_to(double until, const std::function<bool()>* go_on) {
+  between_steps();
+  const double from = engine.model().time;
+  if (!(until >= from) || !std::isfinite(until))
     throw Error(ErrorKind::input,
-                fmt::format("cannot advance from {} to {}", checks::seconds(time()), checks::seconds(until)));
-  impl.last = {};
-  const double step = impl.options.time_step;
+                fmt::format("cannot advance from {} to {}", checks::seconds(from), checks::seconds(until)));
+  last = {};
+  const double step = options.time_step;
   // A smaller remainder is rounding of times, not a step. Compared with `until` too, because the time step may be
   // longer than the whole simulation.
   const double slack = 1e-6 * std::min(step, until);
   while (true) {
-    const double next = impl.grid_start + static_cast<double>(impl.grid_steps + 1) * step;
+    const double next = grid_start + static_cast<double>(grid_steps + 1) * step;
     if (until - next < -slack) break;
     const bool ends_here = std::abs(until - next) <= slack;
-    impl.advance(ends_here ? until : next);
-    ++impl.grid_steps;
-    if (ends_here) return impl.last;
+    make_step(ends_here ? until : next, [this] { ++grid_steps; });
+    const bool goes_on = go_on == nullptr || (*go_on)();
+    if (ends_here || !goes_on) return;
   }
-  if (until - time() > slack) {
-    impl.advance(until);
-    impl.grid_start = until;
-    impl.grid_steps = 0;
-  }
-  return impl.last;
+  if (!(until - engine.model().time > slack)) return;
+  make_step(until, [&] {
+    grid_start = until;
+    grid_steps = 0;
+  });
+  if (go_on != nullptr) static_cast<void>((*go_on)());
+}
+
+const StepReport& Simulation::advance_to(double until) {
+  impl_->advance_to(until, nullptr);
+  return impl_->last;
+}
+
+const StepReport& Simulation::advance_to(double until, const std::function<bool()>& go_on) {
+  if (!go_on) throw Error(ErrorKind::input, "advance_to: a function go_on is needed; without one, give the time alone");
+  impl_->advance_to(until, &go_on);
+  return impl_->last;
 }
 
 void Simulation::drop_history() { impl_->between_steps().drop_history(); }
@@ -326,7 +337,7 @@ std::string Simulation::integrator_memory() { return impl_->between_steps().inte
 void Simulation::set_integrator_memory(std::string_view memory) {
   impl_->between_steps().set_integrator_memory(memory);
 }
-std::optional<Simulation::Between> Simulation::between(double time) { return impl_->between_steps().between(time); }
+std::optional<Simulation::Between> Simulation::between(double time) { return impl_->outside_of_steps().between(time); }
 void Simulation::ask_to_stop() noexcept { impl_->engine.model().deadline.ask_to_stop(); }
 
 }  // namespace springnet

@@ -143,7 +143,7 @@ springnet_status Engine::commit(double time, State& state) {
   model_.jumps_due = change <= time && told && calls_.ends_at(time);
   const bool jumps = change <= time && !model_.jumps_due;
   swept_ = sweep_.done().any;
-  springnet_status status = swept_ ? commit_sweeps() : commit_solution(state, jumps);
+  springnet_status status = swept_ ? commit_sweeps(state) : commit_solution(state, jumps);
   if (dissipation_) dissipation_->end_step(model_);
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
   if (status != SPRINGNET_OK) return status;
@@ -154,10 +154,10 @@ springnet_status Engine::commit(double time, State& state) {
   return status;
 }
 
-springnet_status Engine::commit_sweeps() {
+springnet_status Engine::commit_sweeps(const State& before) {
   const profile::Stage stage("impulses");
   sweep_.forget();
-  return ledger_.commit(sweep_.done());
+  return ledger_.commit(sweep_.done(), before);
 }
 
 springnet_status Engine::commit_solution(const State& before, bool jumps) {

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "constraints/vectors.hpp"
 #include "layers/elements/queries.hpp"
@@ -15,6 +17,22 @@
 #include "simulation/linear_model.hpp"
 
 namespace springnet {
+namespace {
+
+Vector3 position_in(const layers::NodeArrays& nodes, std::uint32_t k) {
+  return {nodes.px[k], nodes.py[k], nodes.pz[k]};
+}
+
+void take_middle(std::span<const std::uint32_t> of, const layers::NodeArrays& nodes, Event& event) {
+  for (const std::uint32_t k : of) {
+    event.position += position_in(nodes, k);
+    event.velocity += Vector3(nodes.vx[k], nodes.vy[k], nodes.vz[k]);
+  }
+  event.position /= static_cast<double>(of.size());
+  event.velocity /= static_cast<double>(of.size());
+}
+
+}  // namespace
 
 Topology::Topology(Model& model, LinearModel& linear, const std::vector<Cut>& cuts) : model_(model), linear_(linear) {
   for (const Cut& cut : cuts) {
@@ -67,10 +85,37 @@ springnet_status Topology::margins(double time, const layers::NodeArrays& nodes,
   return SPRINGNET_RECOVERABLE;
 }
 
-std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double time) {
+Event Topology::event_of_spring(std::uint32_t s, Event::Kind kind, double time, const layers::NodeArrays& nodes) const {
+  const layers::Layout& layout = model_.layout;
+  Event event{kind, time, s};
+  const std::array<std::uint32_t, 2> ends{layout.first(s), layout.second(s)};
+  take_middle(ends, nodes, event);
+  event.value = (position_in(nodes, ends[1]) - position_in(nodes, ends[0])).norm();
+  event.force = layers::spring_tension(layout, model_.evaluator.instruction_set(), time, nodes, s);
+  return event;
+}
+
+Event Topology::event_of_element(std::uint32_t e, Event::Kind kind, double time,
+                                 const layers::NodeArrays& nodes) const {
+  const layers::Layout& layout = model_.layout;
+  Event event{kind, time, e, true};
+  take_middle(layout.elements().nodes(e), nodes, event);
+  event.value = layers::element_state(layout, nodes, e).value;
+  event.force = layers::element_force(layout, model_.evaluator.instruction_set(), time, nodes, e);
+  return event;
+}
+
+std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double time, const layers::NodeArrays& nodes) {
   layers::Layout& layout = model_.layout;
+  std::vector<Event> events;  // of all that are there, in the order in which they are removed
+  for (const std::uint32_t s : removal.springs)
+    if (layout.alive(s)) events.push_back(event_of_spring(s, kind, time, nodes));
   const std::vector<std::uint32_t> removed = layout.remove(removal.springs);
-  for (const std::uint32_t s : removed) model_.journal.record({kind, time, s});
+  std::size_t next = 0;
+  for (const std::uint32_t s : removed) {
+    while (events[next].index != s) ++next;  // one that was listed twice
+    model_.journal.record(events[next]);
+  }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
   for (const std::uint32_t s : removed) ends.emplace_back(layout.first(s), layout.second(s));
   std::vector<std::uint32_t> broken;
@@ -78,8 +123,10 @@ std::size_t Topology::remove(const Removal& removal, Event::Kind kind, double ti
     broken = layout.elements().broken_by(ends);
     broken.insert(broken.end(), removal.elements.begin(), removal.elements.end());
     std::sort(broken.begin(), broken.end());
+    std::erase_if(broken, [&layout](std::uint32_t e) { return !layout.elements().alive(e); });
+    broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
+    for (const std::uint32_t e : broken) model_.journal.record(event_of_element(e, kind, time, nodes));
     broken = layout.remove_elements(broken);
-    for (const std::uint32_t e : broken) model_.journal.record({kind, time, e, true});
   }
   bool faces_removed = false;
   if (layout.loaded_faces().count() > 0) {
@@ -113,7 +160,7 @@ bool Topology::remove_faces(const std::vector<std::size_t>& faces, double time) 
 }
 
 std::size_t Topology::cut(const std::vector<std::uint32_t>& springs) {
-  return remove({springs, {}, {}}, Event::Kind::cut, model_.time);
+  return remove({springs, {}, {}}, Event::Kind::cut, model_.time, model_.state.nodes());
 }
 
 std::size_t Topology::cut(const CuttingPolygon& polygon) {
@@ -125,7 +172,7 @@ std::size_t Topology::cut(const CuttingPolygon& polygon) {
     if (model_.layout.alive(s) && crosses(model_.layout.first(s), model_.layout.second(s))) crossed.push_back(s);
   return remove(
       {crossed, model_.layout.elements().crossed_by(crosses), model_.layout.loaded_faces().crossed_by(crosses)},
-      Event::Kind::cut, model_.time);
+      Event::Kind::cut, model_.time, model_.state.nodes());
 }
 
 void Topology::perform_due_cuts() {
@@ -171,7 +218,7 @@ springnet_status Topology::perform_due_ruptures() {
     const springnet_status again = this->margins(model_.time, nodes, margins.data());
     return again == SPRINGNET_OK ? status : again;
   }
-  if (!broken_.empty() || !elements.empty()) remove({broken_, elements, {}}, Event::Kind::ruptured, model_.time);
+  if (!broken_.empty() || !elements.empty()) remove({broken_, elements, {}}, Event::Kind::ruptured, model_.time, nodes);
   return SPRINGNET_OK;
 }
 

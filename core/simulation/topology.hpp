@@ -32,12 +32,12 @@ class Topology {
   springnet_status margins(double time, const layers::NodeArrays& nodes, double* margins);
 
   // Removes springs, the elements and loaded faces with an edge along one of them, and further elements and faces.
-  // Records events of this kind. Returns the number of springs removed.
+  // Records events of this kind, with the state `nodes`. Returns the number of springs removed.
   struct Removal {
     std::vector<std::uint32_t> springs, elements;
     std::vector<std::size_t> faces;
   };
-  std::size_t remove(const Removal& removal, Event::Kind kind, double time);
+  std::size_t remove(const Removal& removal, Event::Kind kind, double time, const layers::NodeArrays& nodes);
   // At the committed state.
   std::size_t cut(const std::vector<std::uint32_t>& springs);
   std::size_t cut(const CuttingPolygon& polygon);
@@ -47,6 +47,8 @@ class Topology {
   springnet_status perform_due_ruptures();
   // What has been removed, and the cuts that were made.
   void archive(Archive& archive);
+  // Whether a cut of the scene was made, by its number.
+  [[nodiscard]] bool is_done(std::size_t cut) const { return cuts_[cut].done; }
   // Time of the scene's next cut, s; infinity if there is none.
   [[nodiscard]] double next_cut(double time) const noexcept;
 
@@ -57,6 +59,11 @@ class Topology {
     std::optional<CuttingPolygon> polygon;
     bool done = false;
   };
+  // The event of a spring, or an element, that is still there.
+  [[nodiscard]] Event event_of_spring(std::uint32_t spring, Event::Kind kind, double time,
+                                      const layers::NodeArrays& nodes) const;
+  [[nodiscard]] Event event_of_element(std::uint32_t element, Event::Kind kind, double time,
+                                       const layers::NodeArrays& nodes) const;
   // Returns whether any face was removed.
   bool remove_faces(const std::vector<std::size_t>& faces, double time);
 

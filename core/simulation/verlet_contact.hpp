@@ -98,7 +98,7 @@ class VerletContact {
   springnet_status kick(Body& body, const springnet_vectors& position, const springnet_vectors& velocity);
   void commit_contacts(const Body& body, const Island& island, const springnet_vectors& position,
                        const springnet_vectors& velocity);
-  void record_event(Event::Kind kind, std::uint32_t node, std::int32_t surface,
+  void record_event(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Model::NodeAt& state,
                     const Vector3& impulse = Vector3::Zero());
   [[nodiscard]] springnet_status fail_lengths(const Body& body) const;
   [[nodiscard]] ContactSide side_of(const Body& body, const Toucher& toucher, const Side& side) const;

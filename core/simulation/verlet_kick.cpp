@@ -135,11 +135,9 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
   return SPRINGNET_OK;
 }
 
-void VerletContact::record_event(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Vector3& impulse) {
-  Event event{kind, until_, model_.layout.ordering().user[node]};
-  event.surface = surface;
-  event.impulse = impulse;
-  model_.journal.record(event);
+void VerletContact::record_event(Event::Kind kind, std::uint32_t node, std::int32_t surface, const Model::NodeAt& state,
+                                 const Vector3& impulse) {
+  model_.record(kind, until_, node, surface, state, *at_, impulse);
   ++model_.revision;
   model_.stale.reactions = true;
 }
@@ -153,6 +151,9 @@ void VerletContact::commit_contacts(const Body& body, const Island& island, cons
     const std::uint32_t k = node.node;
     const Touch before = contact_.committed(k);
     Touch now = before;
+    // Within the step a node flies with the velocity in its middle until it meets the obstacle.
+    const Member& member = body.members[toucher.member];
+    const Model::NodeAt state{vector_at(position, k), member.start_velocity + member.half};
     std::size_t acting = 0;  // place among the island's sides
     std::vector<const Side*> arrived;
     std::vector<const ContactSide*> hit;
@@ -163,7 +164,7 @@ void VerletContact::commit_contacts(const Body& body, const Island& island, cons
       const bool stays = side.active && node.sides[s].active;
       if (!side.is_new && !stays) {
         now = after(now, {ContactCause::Kind::release, side.surface});
-        record_event(Event::Kind::released, k, side.surface);
+        record_event(Event::Kind::released, k, side.surface, state);
       }
       if (!side.is_new) continue;
       arrived.push_back(&side);
@@ -174,25 +175,25 @@ void VerletContact::commit_contacts(const Body& body, const Island& island, cons
     Vector3 given = Vector3::Zero();
     for (std::size_t s = 0; s < arrived.size(); ++s) {
       const std::int32_t surface = arrived[s]->surface;
-      record_event(Event::Kind::touched, k, surface, impulses[s]);
+      record_event(Event::Kind::touched, k, surface, state, impulses[s]);
       given += impulses[s];
       contact_.add_surface_impulse(static_cast<std::size_t>(surface), -impulses[s]);
       if (hit[s] != nullptr)
         now = after(now, {ContactCause::Kind::touch, surface, node.sticks});
       else
-        record_event(Event::Kind::released, k, surface);
+        record_event(Event::Kind::released, k, surface, state);
     }
     const bool taken_along = node.sticks && surfaces_move_alike(node, 10.0 * model_.no_speed());
     now = after(now, {taken_along ? ContactCause::Kind::stick : ContactCause::Kind::slip});
     if (stays && now.slides != before.slides)
-      record_event(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface);
+      record_event(now.slides ? Event::Kind::slipped : Event::Kind::stuck, k, now.surface, state);
     contact_.touch(k, now, given);
     if (now.surface < 0) continue;
     const auto j = static_cast<std::size_t>(now.surface);
     if (!now.slides) {
       // Free of rounding.
       if (!before.slides && before.surface == now.surface)
-        put_vector(position, k, contact_.carried(*at_, body.members[toucher.member].start, now.surface));
+        put_vector(position, k, contact_.carried(*at_, member.start, now.surface));
       put_vector(velocity, k, Contact::velocity(*at_, j, vector_at(position, k)));
       continue;
     }

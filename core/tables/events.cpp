@@ -26,7 +26,8 @@ void write(const Event& event, const Simulation& simulation, TableFile& file) {
   const EventText& text = texts.at(static_cast<std::size_t>(event.kind));
   file.row(event.time);
   file << text.event << (event.element ? "element" : text.subject) << event.index
-       << (event.surface >= 0 ? label_of(simulation, static_cast<std::size_t>(event.surface)) : "") << event.impulse;
+       << (event.surface >= 0 ? label_of(simulation, static_cast<std::size_t>(event.surface)) : "") << event.impulse
+       << event.position << event.velocity << event.normal << event.value << event.force;
 }
 
 }  // namespace
@@ -45,7 +46,19 @@ Table events() {
            {{"element"}, "", "what it happened to: `spring`, `element`, `node`", Columns::Cell::text},
            {{"index"}, "", "its number", Columns::Cell::count},
            {{"surface"}, "", "the surface at which it happened to a node, as in `surfaces.csv`", Columns::Cell::text},
-           {{"jx", "jy", "jz"}, "N s", "impulse that the surface gave the node at the event"}},
+           {{"jx", "jy", "jz"}, "N s", "impulse that the surface gave the node at the event"},
+           {{"x", "y", "z"},
+            "m",
+            "where the node was at the event, or the middle of the nodes of the spring or element"},
+           {{"vx", "vy", "vz"}, "m/s", "its velocity just before"},
+           {{"nx", "ny", "nz"}, "", "direction from the surface to the node, of length 1; 0 for springs and elements"},
+           {{"value"},
+            "",
+            "just before, of a spring its length, of an element its angle, area or volume: m, rad, m², m³; `nan` for a "
+            "node"},
+           {{"force"},
+            "",
+            "likewise the tension, N, or the generalised force of the element: N m, N/m, Pa; `nan` for a node"}},
       .wanted = [](const Network&, const OutputOptions&) { return true; },
       .leave_out_hint = "",
       .writer = [](const Network&, const OutputOptions&) -> RowWriter {

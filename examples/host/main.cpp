@@ -1,10 +1,20 @@
-// A program that embeds springnet: a block of soft material hangs from its upper side, is pulled, is cut through, and
-// its lower half falls. Prints one quantity per line, with its unit in the name.
+// A program that embeds springnet: a block of soft material hangs from its upper side, is pulled where a ray meets it,
+// is cut through, and its lower half falls, while another thread draws. Prints one quantity per line, with its unit in
+// the name.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include <springnet/error.hpp>
+#include <springnet/scene_writer.hpp>
 #include <springnet/simulation.hpp>
 
 namespace {
@@ -47,30 +57,115 @@ double height_of_lower_half(const springnet::Simulation& simulation) {
   return sum / (2 * layer);
 }
 
+// The node under the cursor: the corner next to where a ray from below meets the block.
+springnet::NodeIndex pick(const springnet::Simulation& simulation, double x, double y) {
+  const std::optional<springnet::RayHit> hit = simulation.cast_ray({x, y, -1.0}, {0.0, 0.0, 1.0});
+  if (!hit || hit->face < 0) throw std::runtime_error("the ray misses the block");
+  return hit->node;
+}
+
+// Draws from snapshots until it is told to end: here it follows the lowest point. No step waits for it.
+class Drawing {
+ public:
+  explicit Drawing(const springnet::Simulation& simulation) : thread_([this, &simulation] { draw(simulation); }) {}
+  ~Drawing() {
+    ends_ = true;
+    thread_.join();
+  }
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
+  [[nodiscard]] double lowest() const { return lowest_; }  // m
+
+ private:
+  void draw(const springnet::Simulation& simulation) {
+    for (bool last = false; !last;) {
+      last = ends_;  // once more after the last step
+      if (const std::shared_ptr<const springnet::Snapshot> snapshot = simulation.snapshot())
+        lowest_ = std::min(lowest_.load(), snapshot->positions.row(2).minCoeff());
+      std::this_thread::yield();
+    }
+  }
+  std::atomic<bool> ends_ = false;
+  std::atomic<double> lowest_ = std::numeric_limits<double>::infinity();
+  std::thread thread_;
+};
+
+// A simulation of a scene that was written to a file starts where this one is.
+double greatest_difference_of_written_state(const springnet::Simulation& simulation,
+                                            const std::shared_ptr<const springnet::PluginHost>& plugins) {
+  springnet::Scene scene;
+  scene.network = simulation.present_network();
+  scene.options.time_step = simulation.time_step();
+  springnet::write_scene(scene, *plugins, "block.toml");
+  const springnet::Scene read = springnet::load_scene("block.toml", *plugins);
+  const springnet::Simulation again(read.network, plugins, read.options);
+  return (again.in_user_order(again.positions()) - simulation.in_user_order(simulation.positions()))
+      .cwiseAbs()
+      .maxCoeff();
+}
+
 void run() {
   auto plugins = std::make_shared<const springnet::PluginHost>(springnet::PluginHost::with_default_search());
   springnet::Simulation simulation(hanging_block(), plugins, {.time_step = 5e-4});
   std::printf("nodes %zu\nsprings %zu\n", simulation.node_count(), simulation.spring_count());
+  double limit = std::numeric_limits<double>::infinity();  // s; of the rules that have one
+  for (const springnet::TimeStepLimit& each : simulation.time_step_limits()) limit = std::fmin(limit, each.time_step);
+  std::printf("smallest_limit_of_time_step_s %.9g\n", limit);
 
   simulation.advance_to(1.5);
   std::printf("weight_N %.9g\nholding_force_at_rest_N %.9g\n", nodes * mass * gravity, holding_force(simulation));
   std::printf("lowest_point_at_rest_m %.9g\n", simulation.positions().row(2).minCoeff());
+  const double greatest_tension = simulation.tensions().maxCoeff();
+  const springnet::Energies energies = simulation.energies();
+  std::printf("greatest_tension_N %.9g\nenergy_of_springs_J %.9g\n", greatest_tension, energies.springs);
 
-  // An instrument pulls at the middle of the lower side.
-  const springnet::NodeIndex middle = layer / 2;
+  // An instrument pulls where a ray from below meets the lower side, near its middle.
+  const springnet::NodeIndex middle = pick(simulation, 0.021, 0.019);
+  std::printf("picked_node %u\nsprings_of_picked_node %zu\n", middle, simulation.springs_of(middle).size());
   simulation.set_force(middle, {0.0, 0.0, -0.2});
-  simulation.advance_to(3.0);
+  std::size_t asked = 0;
+  simulation.advance_to(3.0, [&] {
+    ++asked;  // a host draws its progress here; false cancels
+    return true;
+  });
+  std::printf("steps_with_progress %zu\n", asked);
   std::printf("holding_force_pulled_N %.9g\n", holding_force(simulation));
   std::printf("lowest_point_pulled_m %.9g\n", simulation.positions().row(2).minCoeff());
+  std::printf("greatest_difference_of_written_state_m %.9g\n",
+              greatest_difference_of_written_state(simulation, plugins));
 
   // It lets go, and a cut between the second and the third layer releases the lower half.
+  const std::string before_cut = simulation.save();
   simulation.set_force(middle, Vector3::Zero());
   const double before = height_of_lower_half(simulation);
+  std::size_t told = 0;
+  double tension_of_cut = 0.0;  // N, of all springs together
+  simulation.on_event([&](const springnet::Event& event) {
+    ++told;
+    if (!event.element) tension_of_cut += event.force;
+  });
   const std::size_t removed =
       simulation.cut_polygon({{-1, -1, 0.0145}, {1, -1, 0.0145}, {1, 1, 0.0145}, {-1, 1, 0.0145}});
-  std::printf("springs_cut %zu\nsprings_left %zu\n", removed, simulation.live_spring_count());
-  for (int step = 0; step < 100; ++step) simulation.step();
+  std::printf("springs_cut %zu\nsprings_left %zu\nevents_told %zu\n", removed, simulation.live_spring_count(), told);
+  std::printf("tension_of_cut_springs_N %.9g\n", tension_of_cut);
+  simulation.keep_snapshots();
+  double drawn = 0.0;
+  {
+    const Drawing drawing(simulation);
+    for (int step = 0; step < 100; ++step) simulation.step();
+    while (drawing.lowest() > simulation.positions().row(2).minCoeff()) std::this_thread::yield();
+    drawn = drawing.lowest();
+  }
   std::printf("fall_in_100_steps_m %.9g\n", before - height_of_lower_half(simulation));
+  std::printf("drawn_lowest_point_m %.9g\nlowest_point_m %.9g\n", drawn, simulation.positions().row(2).minCoeff());
+
+  // Undone: the state before the cut, with all springs.
+  simulation.restore(before_cut);
+  std::printf("springs_after_undoing %zu\n", simulation.live_spring_count());
+
+  // ---- files and clones (save_to, restore_from, clone): here ----
+
+  // ---- changes while it runs (set_parameter, remove_nodes, extend, …): here ----
 }
 
 }  // namespace
@@ -78,7 +173,7 @@ void run() {
 int main() {
   try {
     run();
-  } catch (const springnet::Error& error) {
+  } catch (const std::exception& error) {
     std::fprintf(stderr, "host: %s\n", error.what());
     return 1;
   }

@@ -266,4 +266,49 @@ sinusoid = { frequency = 2.0, amplitude = 0.25, mean = 0.5, phase = 0.1 }
 [[input]]
 input = "activation"
 value = 0.5
+
+# Lists with a value for each of what they list.
+[[body]]
+name = "lists"
+nodes = [[50, 0, 0], [51, 0, 0], [50, 1, 0], [50, 0, 1]]
+springs = [[0, 1], [0, 2]]
+rest_lengths = [1.0, 0.9]
+masses = [1, 2, 3, 4]
+velocities = [[0, 0, 1], [0, 0, 2], [0, 0, 3], [0, 0, 4]]
+faces = [[0, 1, 2]]
+groups = [{ name = "end", nodes = [1] }]
+neuron = { type = "point_mass" }
+spring = { type = "linear", stiffness = 1.0 }
+
+[[connect]]
+pairs = [[{ body = "lists", node = 0 }, { body = "lists", node = 3 }]]
+rest_lengths = [1.1]
+spring = { type = "linear", stiffness = 1.0 }
+
+[[rigid]]
+pairs = [[{ body = "lists", node = 0 }, { body = "lists", node = 3 }]]
+lengths = [1.0]
+
+[[element]]
+invariant = "area"
+body = "lists"
+nodes = [[0, 1, 2]]
+spring = { type = "linear", stiffness = 1.0 }
+references = [0.4]
+
+[[element]]
+invariant = "tetrahedron"
+body = "lists"
+nodes = [[0, 1, 2, 3]]
+rests = [[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]]
+directions = [[0, 0, 2]]
+spring = { type = "fibre_solid", youngs_modulus = 1.0, poisson_ratio = 0.3, fibre_modulus = 1.0 }
+
+[[force]]
+faces = [[0, 1, 2]]
+areas = [[0, 0, 0.5]]
+pressure = 1.0
+
+[[instrument]]
+box = { center = [0, 200, 0], size = [1, 2, 3], axes = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]] }
 )";

@@ -1,0 +1,31 @@
+// A scene as a text that load_scene() reads back: for networks built by a program, and for the present state of a
+// simulation (Simulation::present_network()).
+//
+//   springnet::Scene scene;
+//   scene.network = simulation.present_network();
+//   scene.duration = 2.0;
+//   scene.options.time_step = simulation.time_step();
+//   springnet::write_scene(scene, *plugins, "present.toml");
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <springnet/export.hpp>
+#include <springnet/plugin_host.hpp>
+#include <springnet/scene.hpp>
+
+namespace springnet {
+
+// Title, settings of the simulation, outputs and the network, with all numbers bit for bit: what is read back has the
+// same nodes, springs, elements, faces, laws, loads, motions, surfaces, cuts and inputs under the same numbers, so that
+// a simulation of it has the same bits. Bodies list their nodes and springs, whatever mesh they came from, so that
+// elements of bodies become [[element]], and springs that follow the first one of no body become [[connect]]; nodes of
+// no body get one. `plugins` has the laws' components, for the names of their options. Throws Error(input) that names
+// what a scene cannot say: faces with nodes of two bodies, components that no plugin offers, a text of more than 64 MB.
+[[nodiscard]] SPRINGNET_API std::string to_scene(const Scene& scene, const PluginHost& plugins);
+// The same to a file, which is written beside it and takes its place once it is whole. Throws Error(input) that names
+// the file, too.
+SPRINGNET_API void write_scene(const Scene& scene, const PluginHost& plugins, const std::filesystem::path& file);
+
+}  // namespace springnet

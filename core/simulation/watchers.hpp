@@ -1,0 +1,58 @@
+// What a host is told without asking: events and steps through its callbacks, snapshots for a thread that draws.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <springnet/simulation.hpp>
+
+namespace springnet {
+
+// The newest snapshot. One thread puts, any thread takes.
+class SnapshotShelf {
+ public:
+  void keep(bool wanted) {
+    const std::lock_guard guard(lock_);
+    keeps_ = wanted;
+    if (!wanted) newest_.reset();
+  }
+  // Of the thread that steps.
+  [[nodiscard]] bool keeps() const noexcept { return keeps_; }
+  void put(std::shared_ptr<const Snapshot> snapshot) {
+    const std::lock_guard guard(lock_);
+    newest_.swap(snapshot);  // the one before ends after the lock
+  }
+  [[nodiscard]] std::shared_ptr<const Snapshot> take() const {
+    const std::lock_guard guard(lock_);
+    return newest_;
+  }
+
+ private:
+  mutable std::mutex lock_;
+  bool keeps_ = false;
+  std::shared_ptr<const Snapshot> newest_;
+};
+
+struct Watchers {
+  std::function<void(const Event&)> on_event;
+  std::function<void(const StepReport&)> on_step;
+  std::size_t told = 0;     // events that on_event was told, or that happened before there was one
+  bool are_called = false;  // a callback is running
+  SnapshotShelf shelf;
+
+  // Tells the events that are new. One whose callback throws counts as told; those after it are told next time.
+  void tell_events(const std::vector<Event>& events);
+  void tell_step(const StepReport& report);
+};
+
+// Numbers that are computed when first asked for at a state, and kept until it changes.
+struct KeptNumbers {
+  std::vector<double> numbers;
+  std::uint64_t version = 0;  // of the state; 0: none
+};
+
+}  // namespace springnet
