@@ -7,7 +7,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "layers/unit_builder.hpp"
+#include "layers/layout_units.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -53,16 +53,6 @@ std::uint32_t Layout::unit_of(std::uint32_t node) const noexcept {
   return size == 0 ? 0 : node / size;
 }
 
-template <class What>
-void Layout::for_units_of(std::uint32_t spring, const What& what) const {
-  const std::uint32_t a = std::min(first(spring), second(spring)), b = std::max(first(spring), second(spring));
-  const std::uint32_t u = unit_of(a), v = unit_of(b);
-  const bool is_far = v > u + 1;
-  const std::uint32_t group = laws_.group[spring], row = laws_.row[spring];
-  what(u, UnitSpring{a, b, spring, group, row, is_far});
-  if (is_far) what(v, UnitSpring{b, a, spring, group, row, true});
-}
-
 void Layout::lay_out(unsigned threads) {
   // Springs by unit.
   std::vector<std::size_t> start(units_.size() + 1, 0);
@@ -104,8 +94,11 @@ void Layout::lay_out(unsigned threads) {
   for (const Unit& unit : units_)
     std::copy_if(unit.spring.begin(), unit.spring.end(), std::back_inserter(order),
                  [](std::uint32_t s) { return s != no_spring; });
-  internal_ = InternalLayout(laws_, order, spring_count(), elements_.count());
-  elements_.take_places(internal_);
+  // Places stay as they were when springs are laid out again: the state is where they say.
+  if (!internal_.any()) {
+    internal_ = InternalLayout(laws_, order, spring_count(), elements_.count());
+    elements_.take_places(internal_);
+  }
   for (Unit& unit : units_) place_internal(unit);
 }
 
@@ -272,13 +265,16 @@ std::vector<std::size_t> Layout::remove_faces(const std::vector<std::size_t>& fa
 }
 
 void Layout::put_back_all() {
-  if (live_count_ < alive_.size()) {
+  if (live_count_ < alive_.size() || all_due_) {
+    all_due_ = false;
     alive_.assign(alive_.size(), 1);
     live_count_ = alive_.size();
     lay_out(1);
     has_incidence_.store(false, std::memory_order_release);
     springs_of_group_.clear();
   }
+  if (elements_due_) elements_.groups_changed();
+  elements_due_ = false;
   elements_.put_back_all();
   loaded_faces_.put_back_all();
   note_removal();

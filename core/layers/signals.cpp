@@ -25,6 +25,18 @@ std::uint32_t Signals::add_constant(double value) {
   return static_cast<std::uint32_t>(courses_.size() - 1);
 }
 
+void Signals::set_constant(std::uint32_t signal, double value) {
+  Signal constant;
+  constant.mean = value;
+  courses_[signal] = SignalCourse(constant);
+  sampled_[signal] = at_start_[signal] = at_end_[signal] = value;
+}
+
+void Signals::drop_constants_from(std::size_t count) {
+  courses_.erase(courses_.begin() + static_cast<std::ptrdiff_t>(count), courses_.end());
+  for (std::vector<double>* const values : {&sampled_, &at_start_, &at_end_}) values->resize(count);
+}
+
 void Signals::sample_all(double time, std::vector<double>& values) const {
   for (const std::uint32_t each : varying_) values[each] = value(each, time);
 }

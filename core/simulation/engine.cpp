@@ -35,6 +35,13 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
 
 Engine::~Engine() = default;
 
+void Engine::laws_changed() {
+  model_.layout.settle_changes();
+  linear_.topology_changed();
+  local_force_.reset();
+  model_.changed();
+}
+
 ParameterModel& Engine::parameters() {
   if (!parameters_) parameters_ = std::make_unique<ParameterModel>(model_);
   return *parameters_;

@@ -59,6 +59,9 @@ class Engine {
   // What the steps to come depend on, at a committed state; after forget().
   void archive(Archive& archive);
 
+  // To be called after parameters of laws and neurons, rest lengths, inputs or masses were changed.
+  void laws_changed();
+
   // ---- for Simulation ----
   // At the committed state, computed on demand. Throws Error(simulation) if a law fails.
   [[nodiscard]] const Reactions& reactions();

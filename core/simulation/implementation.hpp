@@ -68,6 +68,7 @@ struct Simulation::Impl {
   void set_integrator_memory(std::string_view memory);
   [[nodiscard]] std::optional<Simulation::Between> between(double time);
   void archive(Archive& archive);
+  void lay_out_changes();
   // The model for a change of the committed state, which is then not where the last step ended.
   Model& changed_state() {
     Model& model = between_steps().engine.model();

@@ -107,7 +107,27 @@ const State& Model::with_forces() {
   return state;
 }
 
+void Model::set_mass(std::uint32_t node, double value) {
+  if (first_mass_.empty()) first_mass_ = mass;
+  mass[node] = value;
+}
+
+void Model::archive_masses(Archive& archive) {
+  bool other = !first_mass_.empty();
+  archive.flag(other);
+  if (other && first_mass_.empty()) first_mass_ = mass;
+  if (other) {
+    archive.numbers(mass, "masses");
+    for (const double each : mass)
+      if (!(each > 0.0 && std::isfinite(each))) Archive::refuse("a mass is not above 0");
+  } else if (!first_mass_.empty()) {  // in place: others have the address
+    std::copy(first_mass_.begin(), first_mass_.end(), mass.begin());
+    first_mass_.clear();
+  }
+}
+
 void Model::archive(Archive& archive) {
+  archive_masses(archive);
   loads.archive(archive);
   layout.signals().archive(archive);
   contact.archive(archive);

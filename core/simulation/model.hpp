@@ -96,6 +96,11 @@ struct Model {
   [[nodiscard]] double contact_tolerance() const noexcept;
   // Smaller speeds relative to an obstacle are rounding, m/s.
   [[nodiscard]] double no_speed() const noexcept;
+  void set_mass(std::uint32_t node, double value);  // kg
+  // [node] As the network was given, kg.
+  [[nodiscard]] const std::vector<double>& first_mass() const noexcept {
+    return first_mass_.empty() ? mass : first_mass_;
+  }
   // The committed state, and all that has changed since the start.
   void archive(Archive& archive);
   // Records an event of a node (engine's number) and an obstacle.
@@ -109,6 +114,9 @@ struct Model {
   springnet_status failed(springnet_status status, double at, const layers::NodeArrays& nodes);
 
  private:
+  void archive_masses(Archive& archive);
+
+  std::vector<double> first_mass_;  // empty: none has been changed
   // Invariants and rates at the committed state, see layers::InternalView; empty where nobody reads them.
   std::vector<double> start_q_, start_rate_;
   bool start_known_ = false;

@@ -46,15 +46,15 @@ std::vector<std::pair<std::string, std::string>> identity(const Model& model, co
   const auto add = [&](const char* what, std::size_t count, std::uint32_t sum) {
     result.emplace_back(what, fmt::format("{} ({:08x})", count, sum));
   };
-  add("nodes", model.node_count(), checksum(model.mass.data(), model.mass.size()));
+  add("nodes", model.node_count(), checksum(model.first_mass().data(), model.first_mass().size()));
   add("order of nodes", model.node_count(), checksum(layout.ordering().user.data(), layout.ordering().user.size()));
   std::vector<std::uint32_t> springs;
   for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
-    springs.insert(springs.end(), {layout.first(s), layout.second(s), layout.laws().group[s], layout.laws().row[s]});
+    springs.insert(springs.end(), {layout.first(s), layout.second(s), layout.first_group(s), layout.first_row(s)});
   add("springs", layout.spring_count(), checksum(springs.data(), springs.size()));
   std::string laws;
-  for (const layers::Group& group : layout.laws().groups)
-    for (const layers::Law* law : {&group.spring, &group.viscosity})
+  for (std::size_t g = 0; g < layout.first_group_count(); ++g)
+    for (const layers::Law* law : layout.laws().groups[g].laws())
       laws += (laws.empty() ? "" : ", ") + (*law ? component_text(*law->component) : std::string("none"));
   result.emplace_back("laws", laws);
   result.emplace_back("elements", fmt::format("{}", layout.elements().count()));
@@ -100,9 +100,21 @@ void Simulation::Impl::archive(Archive& archive) {
     Archive::refuse("a node does not exist");
 }
 
+// Changed springs lie where they were; in a simulation that takes up the state they are laid out anew, and sums have
+// another order.
+void Simulation::Impl::lay_out_changes() {
+  if (!engine.model().layout.has_changes()) return;
+  std::string own;
+  Archive out(&own);
+  archive(out);
+  Archive in{std::string_view(own)};
+  archive(in);
+}
+
 std::string Simulation::save() {
   Impl& impl = impl_->between_steps();
   std::string memory = impl.integrator_memory();
+  impl.lay_out_changes();
   // As in the simulation that takes up the bytes.
   impl.engine.contact_events().forget();
   if (memory.empty())

@@ -38,7 +38,9 @@ class Topology {
     std::vector<std::size_t> faces;
   };
   std::size_t remove(const Removal& removal, Event::Kind kind, double time);
-  // At the committed state.
+  // At the committed state. Nodes lose all that is theirs.
+  std::size_t remove_elements(const std::vector<std::uint32_t>& elements);
+  void remove_nodes(const std::vector<std::uint32_t>& nodes);
   std::size_t cut(const std::vector<std::uint32_t>& springs);
   std::size_t cut(const CuttingPolygon& polygon);
   // The scene's cuts up to the committed time.

@@ -108,6 +108,34 @@ void ElementLayout::put_back_all() {
   make_batches();
 }
 
+void ElementLayout::row_changed(std::uint32_t element) {
+  if (!alive(element) || invariant_[element] == Invariant::enclosed_volume) return;
+  const std::uint32_t place = place_in_batched_[element];
+  row_[place] = row(element);
+  reference_[place] = reference(element);
+  const auto behind = std::upper_bound(batches_.begin(), batches_.end(), place,
+                                       [](std::uint32_t at, const ElementBatch& batch) { return at < batch.begin; });
+  ElementBatch& batch = *(behind - 1);
+  batch.one_row = std::all_of(row_.begin() + batch.begin, row_.begin() + batch.begin + batch.count,
+                              [&](std::uint32_t other) { return other == row_[batch.begin]; });
+}
+
+void ElementLayout::groups_changed() {
+  if (count() == 0) return;
+  share_out();
+  drop_dead_shares(0, share_stop_.size());
+  make_batches();
+}
+
+void ElementLayout::drop_dead_shares(std::size_t begin_node, std::size_t end_node) {
+  for (std::size_t node = begin_node; node < end_node; ++node) {
+    ElementShare* begin = shares_.data() + share_start_[node];
+    ElementShare* end = shares_.data() + share_stop_[node];
+    const ElementShare* kept = std::remove_if(begin, end, [this](const ElementShare& s) { return !alive(s.element); });
+    share_stop_[node] = static_cast<std::size_t>(kept - shares_.data());
+  }
+}
+
 // Sorted by invariant and laws, then by lowest node, so that successive elements read the same nodes.
 void ElementLayout::make_batches() {
   batched_.clear();
@@ -140,7 +168,8 @@ void ElementLayout::fill_batches() {
   row_.clear();
   reference_.clear();
   for (std::vector<std::uint32_t>& nodes : corner_) nodes.clear();
-  std::vector<std::uint32_t> index(count());
+  std::vector<std::uint32_t>& index = place_in_batched_;
+  index.resize(count());
   for (std::uint32_t i = 0; i < batched_.size(); ++i) {
     const std::uint32_t e = batched_[i];
     const std::span<const std::uint32_t> own = nodes(e);
@@ -220,13 +249,7 @@ std::vector<std::uint32_t> ElementLayout::remove(const std::vector<std::uint32_t
   if (removed.empty()) return removed;
   live_count_ -= removed.size();
   for (const std::uint32_t e : removed) {
-    for (const std::uint32_t node : nodes(e)) {
-      ElementShare* begin = shares_.data() + share_start_[node];
-      ElementShare* end = shares_.data() + share_stop_[node];
-      const ElementShare* kept =
-          std::remove_if(begin, end, [this](const ElementShare& s) { return !alive(s.element); });
-      share_stop_[node] = static_cast<std::size_t>(kept - shares_.data());
-    }
+    for (const std::uint32_t node : nodes(e)) drop_dead_shares(node, std::size_t{node} + 1);
   }
   make_batches();
   return removed;
