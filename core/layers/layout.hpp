@@ -14,6 +14,7 @@
 #include "layers/elements/layout.hpp"
 #include "layers/laws.hpp"
 #include "layers/loaded_faces.hpp"
+#include "layers/numbers_before.hpp"
 #include "layers/ordering.hpp"
 #include "layers/unit.hpp"
 #include "text/archive.hpp"
@@ -39,6 +40,7 @@ class Layout {
   [[nodiscard]] const CompiledLaws& laws() const noexcept { return laws_; }
   // Set by who simulates the network, between evaluations.
   [[nodiscard]] Signals& signals() noexcept { return *laws_.signals; }
+  [[nodiscard]] const Signals& signals() const noexcept { return *laws_.signals; }
   [[nodiscard]] const ElementLayout& elements() const noexcept { return elements_; }
   [[nodiscard]] const LoadedFaces& loaded_faces() const noexcept { return loaded_faces_; }
   [[nodiscard]] const InternalLayout& internal() const noexcept { return internal_; }
@@ -114,6 +116,8 @@ class Layout {
                                                         const ValueChange& change);
   // What has been changed, with the values as they are now; units are then to be laid out (put_back_all).
   void archive_changes(Archive& archive);
+  // Changes and removals in the layout of the network before it was extended.
+  void take_over(const Layout& before, const NumbersBefore& numbers);
   [[nodiscard]] bool has_changes() const noexcept { return original_ != nullptr; }
   // Groups, and group and row of a spring, before any change.
   [[nodiscard]] std::size_t first_group_count() const noexcept {
@@ -153,6 +157,7 @@ class Layout {
   void count_variants(std::uint32_t from, std::uint32_t to) noexcept;
   void write_value(std::uint32_t unit, std::uint32_t own, std::uint32_t spring, const ValueChange& change);
   void update_incidence(std::uint32_t spring);
+  void take_over_row(const Layout& before, std::uint32_t member, bool is_element);
   void archive_row(Archive& archive, ChangedRow& changed, std::uint32_t first_group) const;
   void take_up_row(const ChangedRow& changed, bool of_element);
   [[nodiscard]] bool is_private(double signal) const noexcept;

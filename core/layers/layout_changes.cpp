@@ -294,6 +294,56 @@ void Layout::settle_changes() {
   prepared_ = {};
 }
 
+void Layout::take_over_row(const Layout& before, std::uint32_t member, bool is_element) {
+  const auto place = [&](const Layout& of) {
+    return is_element ? std::pair(of.laws_.element_group[member], of.laws_.element_row[member])
+                      : std::pair(of.laws_.group[member], of.laws_.row[member]);
+  };
+  const auto [group_before, row_before] = place(before);
+  const Group& from = before.laws_.groups[group_before];
+  if (row_before < from.first_rows) return;
+  for (std::size_t c = 0; c < from.columns.size(); ++c) {
+    const double value = from.columns[c][row_before];
+    if (c >= from.spring.first_input_column) {
+      if (!before.is_private(value)) continue;
+      const double input = before.signals().at(static_cast<std::uint32_t>(value), 0.0);
+      is_element ? set_element_input(member, c, input) : set_spring_input(member, c, input);
+      continue;
+    }
+    const auto [group, row] = place(*this);
+    if (detail::SameBits<double>::of(laws_.groups[group].columns[c][row], value)) continue;
+    ValueChange change{c, value, 0, {}};
+    const Law& viscosity = laws_.groups[group].viscosity;
+    if (viscosity && c >= viscosity.first_column) change.law = 1;
+    change.prepared = prepare(laws_.groups[group], row, change);
+    is_element ? set_element_value(member, change) : set_spring_value(member, change);
+  }
+}
+
+void Layout::take_over(const Layout& before, const NumbersBefore& numbers) {
+  // Laid out once all is known, as where a state is restored: sums have the same order.
+  all_due_ = before.original_ != nullptr;
+  for (std::uint32_t s = 0; s < before.spring_count() && before.original_; ++s) take_over_row(before, s, false);
+  for (std::uint32_t e = 0; e < before.elements_.count() && before.original_; ++e) take_over_row(before, e, true);
+  numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) {
+    if (!before.original_ || before.neuron_kind_[old] == before.original_->neuron_kind[old]) return;
+    const std::vector<double> parameters = before.laws_.neurons[before.neuron_kind_[old]].parameters;
+    for (std::size_t p = 0; p < parameters.size(); ++p) set_neuron_parameter({&k, 1}, p, {&parameters[p], 1});
+  });
+  settle_changes();
+  if (all_due_) put_back_all();
+  const auto removed = [](auto count, const auto& alive) {
+    std::vector<decltype(count)> list;
+    for (decltype(count) i = 0; i < count; ++i)
+      if (!alive(i)) list.push_back(i);
+    return list;
+  };
+  remove(removed(static_cast<std::uint32_t>(before.spring_count()), [&](std::uint32_t s) { return before.alive(s); }));
+  remove_elements(removed(static_cast<std::uint32_t>(before.elements_.count()),
+                          [&](std::uint32_t e) { return before.elements_.alive(e); }));
+  remove_faces(removed(before.loaded_faces_.count(), [&](std::size_t f) { return before.loaded_faces_.alive(f); }));
+}
+
 // A spring or element in an archive: the values of its row; of inputs the number of a signal, or the value of a private
 // one.
 struct Layout::ChangedRow {

@@ -85,6 +85,20 @@ void Signals::hold(std::uint32_t signal, double value) {
   sampled_[signal] = at_start_[signal] = at_end_[signal] = value;
 }
 
+void Signals::take_over(const Signals& before, std::size_t inputs, double time) {
+  from_ = before.from_;
+  until_ = before.until_;
+  slack_ = before.slack_;
+  for (const std::uint32_t each : varying_) sampled_[each] = at_start_[each] = at_end_[each] = value(each, time);
+  for (std::uint32_t k = 0; k < inputs; ++k) {
+    if (before.replaced_.contains(k)) hold(k, before.at_start_[k]);
+    sampled_[k] = before.sampled_[k];
+    at_start_[k] = before.at_start_[k];
+    at_end_[k] = before.at_end_[k];
+  }
+  sampled_time_ = std::numeric_limits<double>::quiet_NaN();  // of the new ones another
+}
+
 void Signals::archive(Archive& archive) {
   for (std::uint32_t k = 0; k < courses_.size(); ++k) {
     const auto original = replaced_.find(k);

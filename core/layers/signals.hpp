@@ -39,6 +39,9 @@ class Signals {
   }
   // Where a step of `time_step` seconds up to `time` starts.
   [[nodiscard]] double at_start(std::uint32_t signal, double time, double time_step) const;
+  // What hold() has set, and the present step, of the signals before the network was extended; `inputs` of them are its
+  // inputs. time: s, now.
+  void take_over(const Signals& before, std::size_t inputs, double time);
   // The present step, and what hold() has set.
   void archive(Archive& archive);
   // The next time after `time` at which one of them jumps or has a kink, s; infinity if there is none.

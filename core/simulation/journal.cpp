@@ -20,6 +20,13 @@ void Journal::record(Event::Kind kind, double time, std::uint32_t user_node, std
   events_.push_back(event);
 }
 
+void Journal::take_over(const Journal& before, const layers::NumbersBefore& numbers) {
+  events_ = before.events_;
+  for (Event& event : events_) event.surface = numbers.surface(event.surface);
+  notes_ = before.notes_;
+  numbers_ = before.numbers_;
+}
+
 void Journal::archive(Archive& archive) {
   const std::lock_guard guard(lock_);
   constexpr std::size_t least_event = 50;  // bytes

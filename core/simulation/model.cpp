@@ -29,7 +29,7 @@ std::vector<double> masses(const Network& network, const std::vector<std::uint32
 
 }  // namespace
 
-Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options, const Model* before)
     : layout(network, plugins, options.renumber, options.threads),
       mass(masses(network, layout.ordering().user)),
       evaluator(layout, mass, options.instruction_set, layout.laws().on_one_thread() ? 1 : options.threads),
@@ -40,6 +40,10 @@ Model::Model(const Network& network, const PluginHost& plugins, const Simulation
       state(layout.node_count(), layout.internal().count()),
       time_step(options.time_step),
       step_length(0.0) {
+  if (before != nullptr) {
+    take_over(*before, network);
+    return;
+  }
   const std::shared_ptr<const Placement> start = placement(0.0);
   const Prescribed& prescribed = contact.prescribed();
   for (std::uint32_t k = 0; k < node_count(); ++k) {

@@ -31,7 +31,10 @@ struct Scales {
 
 struct Model {
   // The state is that of the scene, without contacts: see start.hpp.
-  Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+      : Model(network, plugins, options, nullptr) {}
+  // before: of the network before it was extended, whose state and time the old nodes keep; null: none.
+  Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options, const Model* before);
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
@@ -71,6 +74,8 @@ struct Model {
   // The internal state of laws in an evaluation that asks for this; null: that committed. Throws Error(plugin) if it
   // asks for what cannot be.
   [[nodiscard]] layers::InternalView internal_for(const springnet_internal* request);
+  // What is where in the model before.
+  [[nodiscard]] layers::NumbersBefore numbers_in(const Model& before) const;
   // To be called where a step begins, whose start steps of internal states read.
   void begin_internal_steps() noexcept { start_known_ = false; }
   // Sets the internal states with which laws begin. Throws Error(simulation) if one fails.
@@ -114,6 +119,8 @@ struct Model {
   springnet_status failed(springnet_status status, double at, const layers::NodeArrays& nodes);
 
  private:
+  void take_over(const Model& before, const Network& network);
+  void take_over_internal(const Model& before);
   void archive_masses(Archive& archive);
 
   std::vector<double> first_mass_;  // empty: none has been changed

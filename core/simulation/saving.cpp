@@ -68,6 +68,7 @@ std::vector<std::pair<std::string, std::string>> identity(const Model& model, co
 void Engine::archive(Archive& archive) {
   topology_.archive(archive);
   model_.archive(archive);
+  changes_.archive(archive);
   ledger_.archive(archive);
   bool any = dissipation_ != nullptr;
   archive.flag(any);
@@ -83,7 +84,26 @@ void Engine::archive(Archive& archive) {
   if (archive.reads()) left_behind_ = {left.begin(), left.end()};
 }
 
+// The integrator, if it is another one than at the start.
+void Simulation::Impl::archive_integrator(Archive& archive) {
+  bool other = !(options.integrator == first_integrator);
+  archive.flag(other);
+  LawUse use = options.integrator;
+  if (other) {
+    archive.text(use.id);
+    std::vector<std::pair<std::string, double>> values(use.parameters.begin(), use.parameters.end());
+    values.resize(archive.count(values.size(), sizeof(std::uint64_t), "parameters of the integrator"));
+    for (auto& [name, value] : values) {
+      archive.text(name);
+      archive.number(value);
+    }
+    use.parameters = {values.begin(), values.end()};
+  }
+  if (archive.reads()) restored = other ? use : first_integrator;
+}
+
 void Simulation::Impl::archive(Archive& archive) {
+  archive_integrator(archive);
   engine.archive(archive);
   archive.number(steps);
   archive.number(sweeps);
@@ -123,7 +143,8 @@ std::string Simulation::save() {
     impl.set_integrator_memory(memory);
   std::string bytes;
   Archive archive(&bytes);
-  for (auto& [name, value] : identity(impl.engine.model(), *impl.component)) {
+  for (auto& [name, value] :
+       identity(impl.engine.model(), *impl.plugins->require(ComponentKind::integrator, impl.first_integrator.id))) {
     std::string copy = value;
     archive.text(copy);
   }
@@ -155,7 +176,8 @@ void Simulation::restore(std::string_view saved) {
                             size != bytes.size() ? fmt::format("it has {} bytes in place of {}", bytes.size(), size)
                                                  : std::string("its checksum is another one")));
   Archive archive(bytes);
-  for (const auto& [name, value] : identity(impl.engine.model(), *impl.component)) {
+  for (const auto& [name, value] :
+       identity(impl.engine.model(), *impl.plugins->require(ComponentKind::integrator, impl.first_integrator.id))) {
     std::string there;
     archive.text(there);
     if (there != value)
@@ -170,6 +192,7 @@ void Simulation::restore(std::string_view saved) {
     impl.archive(archive);
     archive.text(memory);
     if (archive.left() > 0) Archive::refuse("it is too long");
+    if (!(*impl.restored == impl.options.integrator)) impl.exchange(*impl.restored);
   } catch (...) {
     Archive back{std::string_view(before)};
     impl.archive(back);

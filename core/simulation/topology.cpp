@@ -201,6 +201,12 @@ springnet_status Topology::perform_due_ruptures() {
   return SPRINGNET_OK;
 }
 
+void Topology::take_over(const Topology& before) {
+  for (std::size_t k = 0; k < before.cuts_.size(); ++k) cuts_[k].done = before.cuts_[k].done;
+  torn_loads_ = before.torn_loads_;
+  torn_faces_ = before.torn_faces_;
+}
+
 void Topology::archive(Archive& archive) {
   layers::Layout& layout = model_.layout;
   const auto removed = [&archive](std::size_t count, const auto& is_alive, const char* what) {

@@ -47,6 +47,8 @@ class Topology {
   void perform_due_cuts();
   // Removes what has no margin left at the committed state.
   springnet_status perform_due_ruptures();
+  // The same of the network before it was extended.
+  void take_over(const Topology& before);
   // What has been removed, and the cuts that were made.
   void archive(Archive& archive);
   // Time of the scene's next cut, s; infinity if there is none.
