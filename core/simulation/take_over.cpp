@@ -67,6 +67,13 @@ void Model::take_over(const Model& before, const Network& network) {
   start_internal();
   take_over_internal(before);
   changed();
+  // Where nothing was added nothing touches or breaks that did not.
+  const bool is_longer = layout.node_count() > before.layout.node_count() ||
+                         layout.spring_count() > before.layout.spring_count() ||
+                         layout.elements().count() > before.layout.elements().count() ||
+                         rigid.rods().size() > before.rigid.rods().size() ||
+                         contact.obstacles().size() > before.contact.obstacles().size();
+  stale.contacts = before.stale.contacts || is_longer;
 }
 
 // Of springs and elements that were there, each state of the laws.
