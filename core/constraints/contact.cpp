@@ -182,6 +182,37 @@ std::vector<ContactChange> Contact::commit_sweep(bool decided) {
   return changes;
 }
 
+void Contact::take_over(const Contact& before, const layers::NumbersBefore& numbers) {
+  for (std::size_t j = 0; j < before.obstacles_.size(); ++j) {
+    obstacles_[numbers.surface_now[j]] = before.obstacles_[j];
+    surface_impulse_[numbers.surface_now[j]] = before.surface_impulse_[j];
+  }
+  prescribed_.take_over(before.prescribed_, numbers);
+  rest_speed_ = before.rest_speed_;
+  any_fixed_ = any_fixed_ || before.any_fixed_;
+  if (!before.impulse_.empty()) impulse_.resize(mass_.size(), Vector3::Zero());
+  numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) {
+    fixed_[k] = before.fixed_[old] != 0 || prescribed_.moves(k) ? 1 : 0;
+    if (!before.impulse_.empty()) impulse_[k] = before.impulse_[old];
+    if (before.obstacles_.empty()) return;
+    const auto renumbered = [&](Touch touch) {
+      for (std::int32_t* const surface : {&touch.surface, &touch.second, &touch.third})
+        *surface = numbers.surface(*surface);
+      return touch;
+    };
+    committed_[k] = renumbered(before.committed_[old]);
+    now_[k] = renumbered(before.now_[old]);
+    braced_[k] = before.braced_[old];
+    slip_phase_[k] = before.slip_phase_[old];
+    last_surface_[k] = numbers.surface(before.last_surface_[old]);
+    slip_[k] = before.slip_[old];
+    sweep_impulse_[k] = before.sweep_impulse_[old];
+  });
+  cached_placement_.reset();
+  start_.reset();
+  for (std::uint32_t k = 0; k < fixed_.size(); ++k) refresh(k);
+}
+
 void Contact::archive(Archive& archive) {
   archive.same(obstacles_.size(), "surfaces");
   for (Obstacle& each : obstacles_) each.archive(archive);

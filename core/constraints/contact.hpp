@@ -121,6 +121,8 @@ class Contact {
   // Sum of the impulses of nodes on a surface so far, N s.
   [[nodiscard]] const Vector3& surface_impulse(std::size_t surface) const { return surface_impulse_[surface]; }
 
+  // The same of the network before it was extended.
+  void take_over(const Contact& before, const layers::NumbersBefore& numbers);
   // Contacts, friction, impulses and motions at a committed state.
   void archive(Archive& archive);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 namespace springnet {
 
@@ -66,6 +67,41 @@ void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajec
 
 void Prescribed::change() {
   if (!of_scene_) of_scene_ = std::make_unique<const Motions>(now_);
+}
+
+void Prescribed::take_over(const Prescribed& before, const layers::NumbersBefore& numbers) {
+  const Motions& told = before.now_;
+  const Motions& scene = before.of_scene_ ? *before.of_scene_ : before.now_;
+  const auto motion_of = [](const Motions& motions, std::uint32_t node) {
+    return motions.motion_of.empty() ? none : motions.motion_of[node];
+  };
+  const auto is_new = [&](std::uint32_t k) {
+    const std::uint32_t motion = motion_of(now_, k);
+    return motion != none && motion >= scene.trajectories.size();
+  };
+  // The network has the places that nodes have now.
+  numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) {
+    if (motion_of(now_, k) != none && !is_new(k)) now_.start[k] = scene.start[old];
+  });
+  if (!before.of_scene_) return;
+  change();
+  now_.motion_of.resize(node_count_, none);
+  now_.start.resize(node_count_);
+  std::map<std::uint32_t, std::uint32_t> taken;  // [motion before] told ones
+  numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) {
+    if (is_new(k)) return;
+    const std::uint32_t motion = motion_of(told, old);
+    now_.motion_of[k] = motion;
+    if (motion == none) return;
+    now_.start[k] = told.start[old];
+    if (told.told[motion] == 0) return;
+    const auto [known, is_first] = taken.try_emplace(motion, static_cast<std::uint32_t>(now_.trajectories.size()));
+    if (is_first) {
+      now_.trajectories.push_back(told.trajectories[motion]);
+      now_.told.push_back(1);
+    }
+    now_.motion_of[k] = known->second;
+  });
 }
 
 void Prescribed::archive(Archive& archive) {

@@ -8,6 +8,7 @@
 #include <springnet/network.hpp>
 
 #include "constraints/sample_time.hpp"
+#include "layers/numbers_before.hpp"
 #include "network/trajectory.hpp"
 #include "text/archive.hpp"
 
@@ -44,6 +45,8 @@ class Prescribed {
   // set(): from now on the node follows `trajectory`, relative to `start` (m). stop(): its motion ends.
   void set(std::uint32_t node, const Vector3& start, Trajectory trajectory);
   void stop(std::uint32_t node);
+  // Motions in progress, and where they began, of the network before it was extended.
+  void take_over(const Prescribed& before, const layers::NumbersBefore& numbers);
   // Motions set by set(), and which node follows which.
   void archive(Archive& archive);
 

@@ -44,6 +44,12 @@ Network at_rest(const Network& network, const std::vector<std::uint8_t>& free) {
   for (const Input& input : network.inputs()) result.add_input(input);
   for (const Cut& cut : network.cuts())
     if (cut.time <= 0.0) result.add_cut(cut);
+  for (Change change : network.changes()) {
+    if (change.time > 0.0) continue;
+    change.integrator.reset();
+    const bool any = change.remove || !change.springs.empty() || !change.elements.empty() || !change.nodes.empty();
+    if (any) result.add_change(change);
+  }
   result.set_gravity(network.gravity());
   return result;
 }

@@ -66,6 +66,13 @@ class InternalLayout {
   // Place of a spring, or element, of a group that has internal state.
   [[nodiscard]] std::uint32_t of_spring(std::uint32_t spring) const noexcept { return spring_place_[spring]; }
   [[nodiscard]] std::uint32_t of_element(std::uint32_t element) const noexcept { return element_place_[element]; }
+  // For a group whose springs and elements are from another one, and keep their places.
+  void add_group_like(std::size_t group) {
+    if (any()) groups_.push_back(OfGroup(groups_[group]));
+  }
+  void drop_groups_from(std::size_t count) {
+    if (groups_.size() > count) groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(count), groups_.end());
+  }
   // Whether a step of this order needs the invariants at its start.
   [[nodiscard]] bool reads_start(std::uint32_t order) const noexcept { return order >= 2 || own_updates_; }
 

@@ -133,12 +133,13 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     const std::size_t size = count - begin < batch_size ? count - begin : batch_size;
     const auto column = [&](std::size_t index, std::size_t slot, std::uint32_t& stride) -> const double* {
       const Column<double>& values = group.columns[index];
-      if (uniform || group.is_same(index)) {
+      const bool is_listed = rows.columns != nullptr && rows.columns[index] != nullptr;
+      if (uniform || (!is_listed && (rows.columns != nullptr || group.is_same(index)))) {
         stride = 0;
         return values.find(rows.rows == nullptr ? rows.row : 0);
       }
       stride = 1;
-      if (rows.columns != nullptr) return rows.columns[index] + begin;
+      if (is_listed) return rows.columns[index] + begin;
       double* copy = expanded + slot * most_expanded;
       for (std::size_t i = 0; i < size; ++i) copy[i] = values[rows.rows[begin + i]];
       return copy;

@@ -60,7 +60,9 @@ Law resolve(const std::optional<LawUse>& use, ComponentKind kind, std::size_t fi
   law.first_column = first_column;
   const std::vector<double> values = complete_parameters(description, use->parameters, where);
   try {
-    law.prepared = prepared.of(law.component, values, complete_tables(description, use->tables, where));
+    std::vector<std::span<const double>> tables = complete_tables(description, use->tables, where);
+    law.prepared = prepared.of(law.component, values, tables);
+    if (law.prepared) law.tables = std::move(tables);
   } catch (const Error& error) {
     throw Error(error.kind(), fmt::format("material {}: {}", material, error.what()));
   }
@@ -375,6 +377,11 @@ CompiledLaws compile_laws(const Network& network, const PluginHost& plugins) {
   compiled.element_row = rows.of(
       elements.size(), element_materials, inputs.of_elements(),
       [&](std::size_t e) { return reads_several(elements[e].invariant) ? 0.0 : elements[e].reference; }, false);
+
+  for (Group& group : compiled.groups) {
+    group.first_rows = group.row_count();
+    for (std::size_t c = 0; c < group.columns.size(); ++c) group.differs.push_back(group.is_same(c) ? 0 : 1);
+  }
 
   // The default neuron that no node has may be ambiguous, or not exist.
   std::vector<bool> in_use(network.neurons().size(), false);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,7 +45,8 @@ struct Law {
   // [scalar of the law] whether it reads the present value, and answers a force; else the value at rest alone.
   std::array<bool, max_scalars> reads{};
   bool reads_direction = false;
-  std::shared_ptr<const Prepared> prepared;  // null: the law prepares nothing
+  std::shared_ptr<const Prepared> prepared;     // null: the law prepares nothing
+  std::vector<std::span<const double>> tables;  // of the network, that it is made of
 
   explicit operator bool() const noexcept { return component != nullptr; }
   [[nodiscard]] bool can(std::uint64_t capability) const noexcept {
@@ -65,6 +67,10 @@ struct Group {
   SharedVector<Column<double>> columns;
   const Signals* signals = nullptr;  // null if the laws have no inputs
   ScalarList scalars{};              // of laws over several
+  // Rows before any change while the network is simulated (layout_changes.cpp), and the columns in which they differ.
+  // Rows that are added later may differ in every column.
+  std::size_t first_rows = 0;
+  std::vector<std::uint8_t> differs{};
 
   [[nodiscard]] std::size_t row_count() const noexcept { return columns[0].size(); }
   [[nodiscard]] bool is_same(std::size_t column) const noexcept { return columns[column].is_uniform(); }
@@ -96,6 +102,15 @@ class RowNumbers {
   }
   [[nodiscard]] std::uint32_t operator[](std::size_t spring) const {
     return own_ ? static_cast<std::uint32_t>(spring) : rows_[spring];
+  }
+  // spring_count: of the network.
+  void set(std::size_t spring, std::uint32_t row, std::size_t spring_count) {
+    if (own_) {
+      std::uint32_t* const rows = rows_.own().append_each(spring_count);
+      for (std::size_t s = 0; s < spring_count; ++s) rows[s] = static_cast<std::uint32_t>(s);
+      own_ = false;
+    }
+    rows_.own().set(spring, row);
   }
 
  private:

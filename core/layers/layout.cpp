@@ -7,7 +7,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "layers/unit_builder.hpp"
+#include "layers/layout_units.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -63,6 +63,14 @@ Layout::Layout(const Layout& other)
       alive_(other.alive_),
       live_count_(other.live_count_),
       revision_(other.revision_),
+      value_revision_(other.value_revision_),
+      original_(other.original_ ? std::make_unique<Original>(*other.original_) : nullptr),
+      variant_users_(other.variant_users_),
+      neuron_users_(other.neuron_users_),
+      free_neurons_(other.free_neurons_),
+      units_due_(other.units_due_),
+      elements_due_(other.elements_due_),
+      all_due_(other.all_due_),
       neuron_kind_(other.neuron_kind_),
       units_(other.units_),
       found_(other.found_) {
@@ -73,16 +81,6 @@ Layout::Layout(const Layout& other)
 std::uint32_t Layout::unit_of(std::uint32_t node) const noexcept {
   const std::uint32_t size = ordering_->unit_start[1];  // all but the last are equal
   return size == 0 ? 0 : node / size;
-}
-
-template <class What>
-void Layout::for_units_of(std::uint32_t spring, const What& what) const {
-  const std::uint32_t a = std::min(first(spring), second(spring)), b = std::max(first(spring), second(spring));
-  const std::uint32_t u = unit_of(a), v = unit_of(b);
-  const bool is_far = v > u + 1;
-  const std::uint32_t group = laws_.group[spring], row = laws_.row[spring];
-  what(u, UnitSpring{a, b, spring, group, row, is_far});
-  if (is_far) what(v, UnitSpring{b, a, spring, group, row, true});
 }
 
 void Layout::lay_out(unsigned threads) {
@@ -126,8 +124,11 @@ void Layout::lay_out(unsigned threads) {
   for (const Unit& unit : units_)
     std::copy_if(unit.spring.begin(), unit.spring.end(), std::back_inserter(order),
                  [](std::uint32_t s) { return s != no_spring; });
-  internal_ = InternalLayout(laws_, order, spring_count(), elements_.count());
-  elements_.take_places(internal_);
+  // Places stay as they were when springs are laid out again: the state is where they say.
+  if (!internal_.any()) {
+    internal_ = InternalLayout(laws_, order, spring_count(), elements_.count());
+    elements_.take_places(internal_);
+  }
   for (Unit& unit : units_) place_internal(unit);
 }
 
@@ -308,12 +309,15 @@ std::vector<std::size_t> Layout::remove_faces(const std::vector<std::size_t>& fa
 }
 
 void Layout::put_back_all() {
-  if (live_count_ < alive_.size()) {
+  if (live_count_ < alive_.size() || all_due_) {
+    all_due_ = false;
     alive_.assign(alive_.size(), 1);
     live_count_ = alive_.size();
     lay_out(1);
     found_ = Shared<Found>();
   }
+  if (elements_due_) elements_.groups_changed();
+  elements_due_ = false;
   elements_.put_back_all();
   loaded_faces_.put_back_all();
   note_removal();

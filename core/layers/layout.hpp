@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,9 +14,11 @@
 #include "layers/elements/layout.hpp"
 #include "layers/laws.hpp"
 #include "layers/loaded_faces.hpp"
+#include "layers/numbers_before.hpp"
 #include "layers/ordering.hpp"
 #include "layers/shared.hpp"
 #include "layers/unit.hpp"
+#include "text/archive.hpp"
 
 namespace springnet::layers {
 
@@ -38,6 +42,7 @@ class Layout {
   [[nodiscard]] const CompiledLaws& laws() const noexcept { return laws_; }
   // Set by who simulates the network, between evaluations.
   [[nodiscard]] Signals& signals() noexcept { return *laws_.signals; }
+  [[nodiscard]] const Signals& signals() const noexcept { return *laws_.signals; }
   [[nodiscard]] const ElementLayout& elements() const noexcept { return elements_; }
   [[nodiscard]] const LoadedFaces& loaded_faces() const noexcept { return loaded_faces_; }
   [[nodiscard]] const InternalLayout& internal() const noexcept { return internal_; }
@@ -45,8 +50,10 @@ class Layout {
   [[nodiscard]] std::uint32_t node_count() const noexcept { return static_cast<std::uint32_t>(ordering_->user.size()); }
   [[nodiscard]] std::size_t spring_count() const noexcept { return alive_.size(); }
   [[nodiscard]] std::size_t live_count() const noexcept { return live_count_; }
-  // Increases with removals.
+  // Increases with removals, and where units are laid out anew.
   [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
+  // Increases with changes of laws' parameters, rest lengths, inputs and neurons.
+  [[nodiscard]] std::uint64_t value_revision() const noexcept { return value_revision_; }
   [[nodiscard]] bool alive(std::uint32_t spring) const noexcept { return alive_[spring] != 0; }
   // Ends, as the engine numbers nodes.
   [[nodiscard]] std::uint32_t first(std::uint32_t spring) const noexcept { return ends_[2 * spring]; }
@@ -86,6 +93,44 @@ class Layout {
   // All that were removed are there again, as at the start.
   void put_back_all();
 
+  // Changes of the values that laws and neurons read (layout_changes.cpp); settle_changes() must follow, and whoever
+  // keeps something that depends on them must be told.
+  struct ValueChange {
+    std::size_t column = 0;  // of the group: 0 the rest length or reference, Law::first_column + k a parameter, …
+    double value = 0.0;
+    // Of the law whose parameter it is, if that prepares something: [0 spring function, 1 viscosity function], and what
+    // it prepared of the new parameters (prepare()).
+    std::size_t law = 0;
+    std::shared_ptr<const Prepared> prepared{};
+  };
+  void set_spring_value(std::uint32_t spring, const ValueChange& change);
+  void set_element_value(std::uint32_t element, const ValueChange& change);
+  // Inputs of a spring's or element's law no longer follow their signal.
+  void set_spring_input(std::uint32_t spring, std::size_t column, double value);
+  void set_element_input(std::uint32_t element, std::size_t column, double value);
+  void set_neuron_parameter(std::span<const std::uint32_t> nodes, std::size_t parameter,
+                            std::span<const double> values);
+  void settle_changes();
+  // What a law prepares of the parameters of a row, but for the one that changes; null if it prepares nothing. Throws
+  // Error(input) if it refuses them.
+  [[nodiscard]] std::shared_ptr<const Prepared> prepare(const Group& group, std::uint32_t row,
+                                                        const ValueChange& change);
+  // What has been changed, with the values as they are now; units are then to be laid out (put_back_all).
+  void archive_changes(Archive& archive);
+  // Changes and removals in the layout of the network before it was extended.
+  void take_over(const Layout& before, const NumbersBefore& numbers);
+  [[nodiscard]] bool has_changes() const noexcept { return original_ != nullptr; }
+  // Groups, and group and row of a spring, before any change.
+  [[nodiscard]] std::size_t first_group_count() const noexcept {
+    return original_ ? original_->groups : laws_.groups.size();
+  }
+  [[nodiscard]] std::uint32_t first_group(std::uint32_t spring) const {
+    return original_ ? original_->group[spring] : laws_.group[spring];
+  }
+  [[nodiscard]] std::uint32_t first_row(std::uint32_t spring) const {
+    return original_ ? original_->row[spring] : laws_.row[spring];
+  }
+
  private:
   // To the units that have a spring: what(unit, the spring as it is seen from there).
   template <class What>
@@ -107,6 +152,28 @@ class Layout {
     mutable std::vector<std::vector<std::uint32_t>> springs_of_group;
     mutable std::vector<std::uint32_t> neighbour_start, neighbours;
   };
+  // As it was before the first change.
+  struct Original {
+    SharedColumn<std::uint32_t> group;
+    RowNumbers row;
+    SharedColumn<std::uint32_t> element_group, element_row;
+    SharedVector<std::uint32_t> neuron_kind;
+    std::size_t groups = 0, neurons = 0, signals = 0;
+  };
+  struct ChangedRow;
+  void remember_original();
+  void take_back_changes();
+  std::uint32_t add_row(std::uint32_t to_group, std::uint32_t from_group, std::uint32_t row);
+  std::uint32_t variant_of(std::uint32_t group, const ValueChange& change);
+  [[nodiscard]] std::uint64_t internal_of(std::size_t group) const noexcept;
+  void count_variants(std::uint32_t from, std::uint32_t to) noexcept;
+  void write_value(std::uint32_t unit, std::uint32_t own, std::uint32_t spring, const ValueChange& change);
+  void update_incidence(std::uint32_t spring);
+  void forget_springs_of_groups();
+  void take_over_row(const Layout& before, std::uint32_t member, bool is_element);
+  void archive_row(Archive& archive, ChangedRow& changed, std::uint32_t first_group) const;
+  void take_up_row(const ChangedRow& changed, bool of_element);
+  [[nodiscard]] bool is_private(double signal) const noexcept;
 
   CompiledLaws laws_;
   Shared<Ordering> ordering_;
@@ -117,7 +184,14 @@ class Layout {
   SharedVector<std::pair<std::uint32_t, std::uint32_t>> rigid_;  // pairs of nodes in both orders, sorted
   SharedVector<std::uint8_t> alive_;
   std::size_t live_count_ = 0;
-  std::uint64_t revision_ = 1;
+  std::uint64_t revision_ = 1, value_revision_ = 0;
+  std::unique_ptr<Original> original_;        // null: nothing has been changed
+  PreparedTables prepared_;                   // of changed parameters
+  std::vector<std::uint32_t> variant_users_;  // [group after those at first] springs and elements
+  std::vector<std::uint32_t> neuron_users_;   // [index into laws_.neurons]; empty: no neuron has been changed
+  std::vector<std::uint32_t> free_neurons_;   // of these, added ones that no node has
+  std::vector<std::uint32_t> units_due_;      // to be laid out again
+  bool elements_due_ = false, all_due_ = false;
   SharedVector<std::uint32_t> neuron_kind_;
   std::vector<Unit> units_;
   Shared<Found> found_;

@@ -25,6 +25,18 @@ std::uint32_t Signals::add_constant(double value) {
   return static_cast<std::uint32_t>(courses_.size() - 1);
 }
 
+void Signals::set_constant(std::uint32_t signal, double value) {
+  Signal constant;
+  constant.mean = value;
+  courses_[signal] = SignalCourse(constant);
+  sampled_[signal] = at_start_[signal] = at_end_[signal] = value;
+}
+
+void Signals::drop_constants_from(std::size_t count) {
+  courses_.erase(courses_.begin() + static_cast<std::ptrdiff_t>(count), courses_.end());
+  for (std::vector<double>* const values : {&sampled_, &at_start_, &at_end_}) values->resize(count);
+}
+
 void Signals::sample_all(double time, std::vector<double>& values) const {
   for (const std::uint32_t each : varying_) values[each] = value(each, time);
 }
@@ -71,6 +83,20 @@ void Signals::hold(std::uint32_t signal, double value) {
   courses_[signal] = SignalCourse(constant);
   varying_.erase(std::remove(varying_.begin(), varying_.end(), signal), varying_.end());
   sampled_[signal] = at_start_[signal] = at_end_[signal] = value;
+}
+
+void Signals::take_over(const Signals& before, std::size_t inputs, double time) {
+  from_ = before.from_;
+  until_ = before.until_;
+  slack_ = before.slack_;
+  for (const std::uint32_t each : varying_) sampled_[each] = at_start_[each] = at_end_[each] = value(each, time);
+  for (std::uint32_t k = 0; k < inputs; ++k) {
+    if (before.replaced_.contains(k)) hold(k, before.at_start_[k]);
+    sampled_[k] = before.sampled_[k];
+    at_start_[k] = before.at_start_[k];
+    at_end_[k] = before.at_end_[k];
+  }
+  sampled_time_ = std::numeric_limits<double>::quiet_NaN();  // of the new ones another
 }
 
 void Signals::archive(Archive& archive) {

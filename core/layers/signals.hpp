@@ -19,6 +19,10 @@ class Signals {
 
   // Another signal, of the same value at all times; returns its number.
   std::uint32_t add_constant(double value);
+  // For those after the first ones, all constant.
+  void set_constant(std::uint32_t signal, double value);
+  [[nodiscard]] std::size_t count() const noexcept { return courses_.size(); }
+  void drop_constants_from(std::size_t count);
 
   // The present step, s: signals are left limits at its end and right limits at its start. Returns whether one jumps
   // there, the first time that a step starts at the jump. An end that is not after the start: no step, right limits
@@ -36,6 +40,9 @@ class Signals {
   }
   // Where a step of `time_step` seconds up to `time` starts.
   [[nodiscard]] double at_start(std::uint32_t signal, double time, double time_step) const;
+  // What hold() has set, and the present step, of the signals before the network was extended; `inputs` of them are its
+  // inputs. time: s, now.
+  void take_over(const Signals& before, std::size_t inputs, double time);
   // The present step, and what hold() has set.
   void archive(Archive& archive);
   // The next time after `time` at which one of them jumps or has a kink, s; infinity if there is none.

@@ -35,11 +35,11 @@ void Unit::settle_values(std::size_t index) {
   const Segment& segment = segments[index];
   const bool is_mixed = segment.row == mixed_rows;
   if ((!is_mixed && internal.empty()) || segment.dead == 0 || segment.dead == segment.count) return;
-  const std::size_t values_end = index + 1 < segments.size() ? segments[index + 1].value_begin : values.size();
+  const std::size_t value_count = is_mixed ? std::size_t{segment.value_columns} * segment.count : 0;
   std::vector<double>& own_values = values.own();
   std::vector<std::uint32_t>* const own_internal = internal.empty() ? nullptr : &internal.own();
   double* const columns_begin = own_values.data() + segment.value_begin;
-  double* const columns_end = is_mixed ? own_values.data() + values_end : columns_begin;
+  double* const columns_end = columns_begin + value_count;
   const std::uint8_t* const live_slots = live_in(segment);
   for (std::uint32_t at = 0; at < segment.count; at += chunk_springs) {
     const unsigned mask = live_slots[at / chunk_springs];
@@ -57,9 +57,11 @@ void Unit::settle_values(std::size_t index) {
 
 SegmentColumns::SegmentColumns(const Unit& unit, const Segment& segment, const Group& group) noexcept {
   const double* next = unit.values.data() + segment.value_begin;
+  const bool all = segment.value_columns == group.columns.size();
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
-    columns_[c] = group.is_same(c) ? nullptr : next;
-    if (!group.is_same(c)) next += segment.count;
+    const bool is_listed = all || group.differs[c] != 0;
+    columns_[c] = is_listed ? next : nullptr;
+    if (is_listed) next += segment.count;
   }
 }
 

@@ -29,12 +29,13 @@ enum class Access : std::uint8_t {
 
 struct Segment {
   std::uint32_t group;
-  std::uint32_t row;           // of all its springs, or mixed_rows
-  std::uint32_t begin, count;  // slots in the unit, multiples of chunk_springs
-  std::uint32_t place;         // where its chunks, or its ends, begin
-  std::uint32_t dead;          // slots without a spring: removed ones, and gaps
-  std::uint32_t living;        // a slot with one, counted from `begin`
-  std::size_t value_begin;     // its parameters in Unit::values, if rows are mixed
+  std::uint32_t row;            // of all its springs, or mixed_rows
+  std::uint32_t begin, count;   // slots in the unit, multiples of chunk_springs
+  std::uint32_t place;          // where its chunks, or its ends, begin
+  std::uint32_t dead;           // slots without a spring: removed ones, and gaps
+  std::uint32_t living;         // a slot with one, counted from `begin`
+  std::size_t value_begin;      // its parameters in Unit::values, if rows are mixed
+  std::uint32_t value_columns;  // of them: those in which the first rows of its group differ, or all
   Access access;
   bool has_empty_chunk;  // all of whose springs were removed
 };
@@ -64,7 +65,7 @@ struct Unit {
   SharedVector<std::uint32_t> spring;         // [slot] or no_spring
   SharedVector<std::uint8_t> live_mask;       // [slot / 8] a bit for each slot with a spring
   SharedVector<std::uint32_t> internal;       // [slot] place in the internal state; empty: no spring of the net has any
-  SharedVector<double> values;                // of the columns that differ between rows, [column][slot] of each segment
+  SharedVector<double> values;                // of segments of mixed rows, [column][slot] of each segment
 
   [[nodiscard]] std::uint32_t end_node() const noexcept { return first_node + node_count; }
   [[nodiscard]] SegmentSprings springs_of(const Segment& segment) const noexcept {
@@ -93,7 +94,8 @@ struct Unit {
   void settle_values(std::size_t segment);
 };
 
-// Where the values of the columns of a segment of mixed rows are: RowSelection::columns.
+// Where the values of the columns of a segment of mixed rows are: RowSelection::columns. A column without any has one
+// value for the segment, that of the group's first row.
 class SegmentColumns {
  public:
   SegmentColumns(const Unit& unit, const Segment& segment, const Group& group) noexcept;

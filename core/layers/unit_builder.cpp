@@ -247,8 +247,12 @@ void UnitBuilder::end_segment() {
   }
   if (segment.row != mixed_rows) return;
   const Group& group = groups_[segment.group];
+  const bool all = std::any_of(slots_.begin(), slots_.end(), [&](const UnitSpring* spring) {
+    return spring != nullptr && spring->row >= group.first_rows;
+  });
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
-    if (group.is_same(c)) continue;
+    if (!all && group.differs[c] == 0) continue;
+    ++segment.value_columns;
     for (const UnitSpring* const spring : slots_)
       unit_->values.push_back(spring != nullptr ? group.columns[c][spring->row] : 0.0);
   }

@@ -135,6 +135,21 @@ void Network::set_node(NodeIndex index, const Node& node) {
   nodes_.set(index, changed);
 }
 
+void Network::move_nodes(const std::vector<Vector3>& positions) {
+  if (positions.size() != nodes_.size())
+    fail(fmt::format("{} positions for {} nodes: one each is needed", positions.size(), nodes_.size()));
+  for (NodeIndex k = 0; k < positions.size(); ++k)
+    if (!positions[k].allFinite()) fail(fmt::format("node {}: its position must be finite", k));
+  constexpr double kept = 1e-6;
+  for (const auto& [first, second, length] : rigids_) {
+    const double apart = distance(positions[first], positions[second]);
+    if (!(std::abs(length - apart) <= kept * length))
+      fail(fmt::format("nodes {} and {} are joined rigidly, at {:.10g} m, and would be {:.10g} m apart", first, second,
+                       length, apart));
+  }
+  nodes_.positions_ = positions;
+}
+
 void Network::fix(NodeIndex node) {
   if (node >= nodes_.size()) fail(fmt::format("there is no node {} to fix, only {}", node, nodes_.size()));
   nodes_.fixed_.set(node, 1);

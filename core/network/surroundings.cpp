@@ -220,6 +220,28 @@ void Network::add_cut(const Cut& cut) {
   cuts_.push_back(cut);
 }
 
+void Network::add_change(const Change& change) {
+  if (!(std::isfinite(change.time) && change.time >= 0.0))
+    fail(fmt::format("a change's time must be a finite number from 0 s on, is {}", change.time));
+  for (const SpringIndex spring : change.springs) check_spring(spring);
+  for (const ElementIndex element : change.elements)
+    if (element >= elements_.size())
+      fail(fmt::format("a change: there is no element {}, only {}", element, elements_.size()));
+  for (const NodeIndex node : change.nodes)
+    if (node >= nodes_.size()) fail(fmt::format("a change: there is no node {}, only {}", node, nodes_.size()));
+  const bool of_laws = !change.spring.empty() || !change.viscosity.empty() || !change.spring_inputs.empty() ||
+                       !change.viscosity_inputs.empty() || change.reference || change.reference_scale;
+  const bool of_nodes = !change.neuron.empty() || change.mass;
+  if (of_laws && change.springs.empty() && change.elements.empty())
+    fail("a change of laws needs springs or elements that it is for");
+  if (of_nodes && change.nodes.empty()) fail("a change of neurons or masses needs nodes that it is for");
+  if (change.reference && change.reference_scale) fail("a change has a reference and a factor of it: give one of both");
+  if (!of_laws && !of_nodes && !change.remove && !change.integrator) fail("a change needs something that changes");
+  if (change.remove && change.springs.empty() && change.elements.empty() && change.nodes.empty())
+    fail("a change removes nothing: it needs springs, elements or nodes");
+  changes_.push_back(change);
+}
+
 void Network::set_gravity(const Vector3& acceleration) {
   check_finite(acceleration, "gravity");
   gravity_ = acceleration;

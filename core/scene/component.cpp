@@ -95,6 +95,31 @@ LawUse read_component(const Table& table, std::string_view name_key, ComponentKi
   return use;
 }
 
+ParameterValues read_values(const Table& table, Named what,
+                            const std::vector<std::shared_ptr<const Component>>& components) {
+  ParameterValues values;
+  std::vector<std::string> names, owners;
+  for (const std::shared_ptr<const Component>& component : components) {
+    const springnet_component& description = *component->description;
+    const bool inputs = what == Named::inputs;
+    const std::uint32_t count = inputs ? component->law().input_count : description.parameter_count;
+    owners.push_back(fmt::format("'{}'", component->id()));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const springnet_parameter& declared = inputs ? *component->law().inputs[i] : *description.parameters[i];
+      names.emplace_back(declared.name);
+      const std::optional<Value> given = table.find_parameter(declared.name);
+      if (!given) continue;
+      const double value = read_parameter(*given, declared);
+      if (const std::string wrong = check_value(declared, value); !wrong.empty())
+        given->fail(fmt::format("{} ('{}')", wrong, component->id()));
+      values[declared.name] = value;
+    }
+  }
+  table.check_keys(names, owners.empty() ? std::string("what is selected, which has none of these,")
+                                         : fmt::format("what is selected ({})", fmt::join(owners, ", ")));
+  return values;
+}
+
 LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                            const ParameterValues& supplied) {
   const std::shared_ptr<const Component> component = find_component(name, kind, plugins);

@@ -26,6 +26,12 @@ namespace springnet::scene {
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});
 
+// Parameters of components of a kind, or inputs of laws, in a table that has nothing else: {stiffness = 3.0}. Each key
+// is one that some of them have, its value within the bounds of all of these.
+enum class Named { parameters, inputs };
+[[nodiscard]] ParameterValues read_values(const Table& table, Named what,
+                                          const std::vector<std::shared_ptr<const Component>>& components);
+
 // A law under the key of a table, by its name or as a formula, for springs, or for elements of an invariant, each of
 // which is checked when it is known (ElementCheck). `given`: see read_formula().
 [[nodiscard]] LawUse read_law(const Value& law, std::string_view schema, ComponentKind kind, const PluginHost& plugins,

@@ -19,6 +19,9 @@ class Unreached {
   void cut(double time, std::size_t index) {
     if (time > duration_) add(fmt::format("Cut {} at {:g} s", index, time));
   }
+  void change(double time, std::size_t index) {
+    if (time > duration_) add(fmt::format("Change {} at {:g} s", index, time));
+  }
   void window(const std::string& what, double from, double until) {
     if (from >= duration_) add(fmt::format("{}, which starts at {:g} s,", what, from));
     if (until <= 0) add(fmt::format("{}, which ends at {:g} s,", what, until));
@@ -86,6 +89,7 @@ std::vector<std::string> notes_of(const Scene& scene) {
       notes.push_back(fmt::format("Force {} acts on fixed or moved nodes only: it moves nothing.", k));
   }
   for (std::size_t k = 0; k < network.cuts().size(); ++k) unreached.cut(network.cuts()[k].time, k);
+  for (std::size_t k = 0; k < network.changes().size(); ++k) unreached.change(network.changes()[k].time, k);
   for (std::size_t k = 0; k < network.moves().size(); ++k) {
     unreached.course("motion", fmt::format("the nodes of move {}", k), network.moves()[k].motion);
   }

@@ -37,6 +37,8 @@ void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scen
 void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]], [[instrument]]
 // [[input]], after all springs and elements have their laws.
 void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene);
+// [[change]], likewise.
+void read_timed_changes(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene);
 // [output], read last: its selections refer to the whole network and all elements.
 void read_output(const Table& root, const PluginHost& plugins, Scene& scene);
 

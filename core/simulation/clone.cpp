@@ -27,6 +27,7 @@ Simulation::Impl::Impl(Impl& other, std::string_view state)
       component(other.component),
       engine(other.engine, *network, options),
       host(make_host_table(engine)),
+      first_integrator(other.first_integrator),
       identity(other.identity),
       identity_of_network(other.identity_of_network) {
   Archive archive(state);

@@ -15,6 +15,7 @@ class DissipationLedger {
   void end_step(const Model& model);
 
   [[nodiscard]] double total() const noexcept { return total_; }  // J
+  void take_over(const DissipationLedger& before) noexcept { total_ = before.total_; }
   void archive(Archive& archive) {
     archive.number(total_);
     if (archive.reads()) revision_ = 0;

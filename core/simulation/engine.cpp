@@ -17,20 +17,27 @@
 
 namespace springnet {
 
-Engine::Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
-    : model_(network, plugins, options),
+Engine::Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options,
+               const Engine* before)
+    : model_(network, plugins, options, before != nullptr ? &before->model_ : nullptr),
       linear_(model_),
       topology_(model_, linear_, network.cuts()),
       contact_events_(model_, topology_),
       info_(model_, contact_events_),
       calls_(model_),
       sweep_(model_),
-      ledger_(model_) {
+      ledger_(model_),
+      changes_(*this, network.changes()) {
+  if (options.dissipated_energy) dissipation_ = std::make_unique<DissipationLedger>();
+  if (before != nullptr) {
+    take_over(*before, network);
+    return;
+  }
   topology_.perform_due_cuts();
   if (topology_.perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, model_.journal.message.text);
   model_.scales = find_scales(model_);
   start_constraints(model_, size_of(network));
-  if (options.dissipated_energy) dissipation_ = std::make_unique<DissipationLedger>();
+  changes_.perform_due();
 }
 
 Engine::Engine(const Engine& other, const Network& network, const SimulationOptions& options)
@@ -41,11 +48,19 @@ Engine::Engine(const Engine& other, const Network& network, const SimulationOpti
       info_(model_, contact_events_),
       calls_(model_),
       sweep_(model_),
-      ledger_(model_) {
+      ledger_(model_),
+      changes_(*this, network.changes()) {
   if (options.dissipated_energy) dissipation_ = std::make_unique<DissipationLedger>();
 }
 
 Engine::~Engine() = default;
+
+void Engine::laws_changed() {
+  model_.layout.settle_changes();
+  linear_.topology_changed();
+  local_force_.reset();
+  model_.changed();
+}
 
 ParameterModel& Engine::parameters() {
   if (!parameters_) parameters_ = std::make_unique<ParameterModel>(model_);

@@ -14,6 +14,7 @@
 #include "simulation/linear_model.hpp"
 #include "simulation/model.hpp"
 #include "simulation/network_info.hpp"
+#include "simulation/scheduled_changes.hpp"
 #include "simulation/sweep.hpp"
 #include "simulation/topology.hpp"
 
@@ -25,7 +26,9 @@ class VerletContact;
 
 class Engine {
  public:
-  Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  // before: of the network before it was extended, where the engine goes on; null: none.
+  Engine(const Network& network, const PluginHost& plugins, const SimulationOptions& options,
+         const Engine* before = nullptr);
   // For a copy of a simulation of this network, which takes up the state by archive().
   Engine(const Engine& other, const Network& network, const SimulationOptions& options);
   ~Engine();
@@ -56,10 +59,14 @@ class Engine {
   [[nodiscard]] ContactEvents& contact_events() noexcept { return contact_events_; }
   [[nodiscard]] Topology& topology() noexcept { return topology_; }
   [[nodiscard]] ParameterModel& parameters();
+  [[nodiscard]] ScheduledChanges& changes() noexcept { return changes_; }
   [[nodiscard]] IntegratorCalls& calls() noexcept { return calls_; }
 
   // What the steps to come depend on, at a committed state; after forget().
   void archive(Archive& archive);
+
+  // To be called after parameters of laws and neurons, rest lengths, inputs or masses were changed.
+  void laws_changed();
 
   // ---- for Simulation ----
   // At the committed state, computed on demand. Throws Error(simulation) if a law fails.
@@ -73,6 +80,7 @@ class Engine {
   [[nodiscard]] LocalForceModel& local_force();
 
  private:
+  void take_over(const Engine& before, const Network& network);
   // sweeps_follow: as for commit_jumps().
   springnet_status begin(double from, double until, Loads::Change loads, bool sweeps_follow);
   // Settles contacts and ruptures after changes from outside.
@@ -93,6 +101,7 @@ class Engine {
   IntegratorCalls calls_;
   Sweep sweep_;
   ImpulseLedger ledger_;
+  ScheduledChanges changes_;
   std::unique_ptr<DissipationLedger> dissipation_;  // null: not asked for
   std::shared_ptr<VerletContact> verlet_;           // contact in the last step of velocity Verlet; null: none
   bool swept_ = false;                              // the last commit was one of sweeps; false after forget()

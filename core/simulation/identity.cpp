@@ -108,6 +108,28 @@ void add(Digest& digest, const Cut& cut) {
   digest.add(springs);
   digest.add(polygon);
 }
+void add(Digest& digest, const ParameterValues& values) {
+  digest.add(static_cast<std::uint64_t>(values.size()));
+  for (const auto& [name, value] : values) {
+    digest.add(std::string_view(name));
+    digest.add(value);
+  }
+}
+void add(Digest& digest, const Change& change) {
+  digest.add(change.time);
+  digest.add(change.springs);
+  digest.add(change.elements);
+  digest.add(change.nodes);
+  for (const ParameterValues* each :
+       {&change.spring, &change.viscosity, &change.spring_inputs, &change.viscosity_inputs, &change.neuron})
+    add(digest, *each);
+  for (const std::optional<double>& each : {change.reference, change.reference_scale, change.mass}) digest.add(each);
+  digest.add(change.remove);
+  digest.add(change.integrator.has_value());
+  if (!change.integrator) return;
+  digest.add(std::string_view(change.integrator->id));
+  add(digest, change.integrator->parameters);
+}
 void add(Digest& digest, const Input& input) {
   const auto& [reads, name, springs, elements, signal] = input;
   digest.add(std::string_view(reads));
@@ -285,6 +307,7 @@ Identity identity_of(const Network& network, const PluginHost& plugins) {
   parts.add("gravity", fmt::format("({}, {}, {}) m/s^2", g[0], g[1], g[2]));
   parts.list("input signals", network.inputs());
   parts.list("cuts", network.cuts());
+  parts.list("changes", network.changes());
   return std::move(parts.result);
 }
 

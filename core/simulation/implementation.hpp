@@ -36,13 +36,17 @@ struct Simulation::Impl {
         options(given),
         component(plugins->require(ComponentKind::integrator, given.integrator.id)),
         engine(*network, *plugins, given),
-        host(make_host_table(engine)) {
+        host(make_host_table(engine)),
+        first_integrator(given.integrator) {
     create_integrator();
+    exchange_due();
   }
   // A copy that is to go on by itself: see clone.cpp. state: of `other`.
   Impl(Impl& other, std::string_view state);
   // What the next constructor of a Simulation in this thread is to have; see clone().
   static thread_local std::unique_ptr<Impl> made;
+  // Goes on from `before` with a network to which something was added.
+  Impl(std::shared_ptr<const Network> extended, const Impl& before);
   ~Impl() { destroy_integrator(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -85,6 +89,10 @@ struct Simulation::Impl {
   }
   void create_integrator();
   void destroy_integrator() noexcept;
+  // Goes on with another integrator, as at the start; what was kept of the present one is lost.
+  void exchange(const LawUse& next);
+  // The scene's exchanges up to now.
+  void exchange_due();
   void drop_history();
   [[nodiscard]] std::string integrator_memory();
   void set_integrator_memory(std::string_view memory);
@@ -98,6 +106,7 @@ struct Simulation::Impl {
   [[nodiscard]] Identity present_identity();
   void check_identity(const SavedHead& head, std::string_view bytes);
   void restore_state(const SavedHead& head, std::string_view bytes);
+  void lay_out_changes();
   // The model for a change of the committed state, which is then not where the last step ended.
   Model& changed_state() {
     Model& model = between_steps().engine.model();
@@ -105,7 +114,7 @@ struct Simulation::Impl {
     return model;
   }
   void require_abilities() const;
-  void advance(double until);
+  void advance(double until);  // with the scene's exchanges of the integrator
   // The same for a step of the program, after which the callbacks are told.
   template <class Finish>
   void make_step(double until, const Finish& finish) {
@@ -119,6 +128,8 @@ struct Simulation::Impl {
     stepped();
   }
   void advance_to(double until, const std::function<bool()>* go_on);
+  void advance_part(double until);  // with one integrator
+  void archive_integrator(Archive& archive);
   [[nodiscard]] std::uint32_t engine_node(NodeIndex node) const {
     if (node >= engine.model().layout.node_count())
       throw Error(ErrorKind::input, fmt::format("node {} does not exist: the network has nodes 0 to {}", node,
@@ -196,6 +207,8 @@ struct Simulation::Impl {
   mutable Engine engine;  // evaluates forces on demand
   springnet_host host;
   void* integrator = nullptr;
+  LawUse first_integrator;         // of the options given
+  std::optional<LawUse> restored;  // the integrator of a state that was read
   StepReport last;
   std::uint64_t steps = 0, sweeps = 0;
   bool in_step = false;           // a call of the integrator

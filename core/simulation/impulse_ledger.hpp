@@ -27,6 +27,11 @@ class ImpulseLedger {
   // After the last sweep, once its state is committed: commits the contacts that the sweeps decided, records their
   // events, and adds up impulses. before: the state before the step.
   springnet_status commit(const Sweep::Done& done, const State& before);
+  void take_over(const ImpulseLedger& before, const layers::NumbersBefore& numbers) {
+    if (before.withheld_.empty()) return;
+    withheld_.assign(model_.node_count(), Vector3::Zero());
+    numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) { withheld_[k] = before.withheld_[old]; });
+  }
   // At a committed state.
   void archive(Archive& archive) {
     withheld_.resize(archive.count(withheld_.size(), 3 * sizeof(double), "impulses"), Vector3::Zero());

@@ -12,6 +12,13 @@ constexpr std::size_t max_notes = 200, max_numbers = 500, max_note_length = 2000
 
 }  // namespace
 
+void Journal::take_over(const Journal& before, const layers::NumbersBefore& numbers) {
+  events_ = before.events_;
+  for (Event& event : events_) event.surface = numbers.surface(event.surface);
+  notes_ = before.notes_;
+  numbers_ = before.numbers_;
+}
+
 void Journal::archive(Archive& archive) {
   const std::lock_guard guard(lock_);
   constexpr std::size_t least_event = 137;  // bytes

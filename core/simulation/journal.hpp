@@ -9,6 +9,7 @@
 #include <springnet/sdk/plugin.h>
 #include <springnet/simulation.hpp>
 
+#include "layers/numbers_before.hpp"
 #include "text/archive.hpp"
 
 namespace springnet {
@@ -23,6 +24,8 @@ class Journal {
   // Why numbers are not finite, or could not be evaluated, in the present step; empty: they are finite.
   std::string non_finite;
 
+  // The same of the network before it was extended.
+  void take_over(const Journal& before, const layers::NumbersBefore& numbers);
   // Events, notes and numbers.
   void archive(Archive& archive);
   void record(const Event& event) { events_.push_back(event); }

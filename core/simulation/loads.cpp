@@ -134,6 +134,15 @@ void Loads::gather() {
   }
 }
 
+void Loads::take_over(const Loads& before, const layers::NumbersBefore& numbers) {
+  gravity_ = before.gravity_;
+  for (std::size_t c = 0; c < 3 && !before.host_[c].empty(); ++c) {
+    host_[c].assign(node_count_, 0.0);
+    numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) { host_[c][k] = before.host_[c][old]; });
+  }
+  faces_changed();
+}
+
 void Loads::archive(Archive& archive) {
   archive.vector(gravity_);
   archive.flag(follows_);

@@ -43,6 +43,8 @@ class Loads {
   }
   void set_gravity(const Vector3& acceleration) noexcept { gravity_ = acceleration; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
+  // Gravity and forces of the program, of the network before it was extended.
+  void take_over(const Loads& before, const layers::NumbersBefore& numbers);
   // What changes over time, and what the program has set.
   void archive(Archive& archive);
   // Valid until the next change.

@@ -29,7 +29,7 @@ std::vector<double> masses(const Network& network, const std::vector<std::uint32
 
 }  // namespace
 
-Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+Model::Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options, const Model* before)
     : layout(network, plugins, options.renumber, options.threads),
       mass(masses(network, layout.ordering().user)),
       evaluator(layout, mass, options.instruction_set, layout.laws().on_one_thread() ? 1 : options.threads),
@@ -40,6 +40,10 @@ Model::Model(const Network& network, const PluginHost& plugins, const Simulation
       state(layout.node_count(), layout.internal().count()),
       time_step(options.time_step),
       step_length(0.0) {
+  if (before != nullptr) {
+    take_over(*before, network);
+    return;
+  }
   const std::shared_ptr<const Placement> start = placement(0.0);
   const Prescribed& prescribed = contact.prescribed();
   for (std::uint32_t k = 0; k < node_count(); ++k) {
@@ -57,7 +61,7 @@ Model::Model(const Network& network, const PluginHost& plugins, const Simulation
 
 Model::Model(const Model& other, const Network& network, const SimulationOptions& options)
     : layout(other.layout),
-      mass(other.mass),
+      mass(other.first_mass()),
       evaluator(layout, mass, options.instruction_set, layout.laws().on_one_thread() ? 1 : options.threads),
       loads(network, layout),
       constraints(network, layout.ordering().user, layout.ordering().engine, mass),
@@ -122,7 +126,27 @@ const State& Model::with_forces() {
   return state;
 }
 
+void Model::set_mass(std::uint32_t node, double value) {
+  if (first_mass_.empty()) first_mass_ = mass;
+  mass[node] = value;
+}
+
+void Model::archive_masses(Archive& archive) {
+  bool other = !first_mass_.empty();
+  archive.flag(other);
+  if (other && first_mass_.empty()) first_mass_ = mass;
+  if (other) {
+    archive.numbers(mass, "masses");
+    for (const double each : mass)
+      if (!(each > 0.0 && std::isfinite(each))) Archive::refuse("a mass is not above 0");
+  } else if (!first_mass_.empty()) {  // in place: others have the address
+    std::copy(first_mass_.begin(), first_mass_.end(), mass.begin());
+    first_mass_.clear();
+  }
+}
+
 void Model::archive(Archive& archive) {
+  archive_masses(archive);
   loads.archive(archive);
   layout.signals().archive(archive);
   contact.archive(archive);

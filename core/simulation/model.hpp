@@ -31,7 +31,10 @@ struct Scales {
 
 struct Model {
   // The state is that of the scene, without contacts: see start.hpp.
-  Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+      : Model(network, plugins, options, nullptr) {}
+  // before: of the network before it was extended, whose state and time the old nodes keep; null: none.
+  Model(const Network& network, const PluginHost& plugins, const SimulationOptions& options, const Model* before);
   // For a copy of a simulation of this network, which takes up the state by archive(). Shares what does not change.
   Model(const Model& other, const Network& network, const SimulationOptions& options);
   Model(const Model&) = delete;
@@ -73,6 +76,8 @@ struct Model {
   // The internal state of laws in an evaluation that asks for this; null: that committed. Throws Error(plugin) if it
   // asks for what cannot be.
   [[nodiscard]] layers::InternalView internal_for(const springnet_internal* request);
+  // What is where in the model before.
+  [[nodiscard]] layers::NumbersBefore numbers_in(const Model& before) const;
   // To be called where a step begins, whose start steps of internal states read.
   void begin_internal_steps() noexcept { start_known_ = false; }
   // Sets the internal states with which laws begin. Throws Error(simulation) if one fails.
@@ -98,6 +103,11 @@ struct Model {
   [[nodiscard]] double contact_tolerance() const noexcept;
   // Smaller speeds relative to an obstacle are rounding, m/s.
   [[nodiscard]] double no_speed() const noexcept;
+  void set_mass(std::uint32_t node, double value);  // kg
+  // [node] As the network was given, kg.
+  [[nodiscard]] const std::vector<double>& first_mass() const noexcept {
+    return first_mass_.empty() ? mass : first_mass_;
+  }
   // The committed state, and all that has changed since the start.
   void archive(Archive& archive);
   // Where a node is in an event, and how it moves before the event changes that; m, m/s.
@@ -113,6 +123,11 @@ struct Model {
   springnet_status failed(springnet_status status, double at, const layers::NodeArrays& nodes);
 
  private:
+  void take_over(const Model& before, const Network& network);
+  void take_over_internal(const Model& before);
+  void archive_masses(Archive& archive);
+
+  std::vector<double> first_mass_;  // empty: none has been changed
   // Invariants and rates at the committed state, see layers::InternalView; empty where nobody reads them.
   std::vector<double> start_q_, start_rate_;
   bool start_known_ = false;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "layers/numbers_before.hpp"
 #include "text/archive.hpp"
 
 namespace springnet {
@@ -19,6 +20,11 @@ class RecentTouches {
     row.touches = time - row.last <= gap ? row.touches + 1 : 1;
     row.last = time;
     return row.touches;
+  }
+  void take_over(const RecentTouches& before, const layers::NumbersBefore& numbers) {
+    numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) {
+      if (const auto row = before.rows_.find(old); row != before.rows_.end()) rows_[k] = row->second;
+    });
   }
   void archive(Archive& archive) {
     std::vector<std::pair<std::uint32_t, Row>> rows(rows_.begin(), rows_.end());

@@ -22,6 +22,7 @@ namespace springnet {
 void Engine::archive(Archive& archive) {
   topology_.archive(archive);
   model_.archive(archive);
+  changes_.archive(archive);
   ledger_.archive(archive);
   bool any = dissipation_ != nullptr;
   archive.flag(any);
@@ -37,7 +38,26 @@ void Engine::archive(Archive& archive) {
   if (archive.reads()) left_behind_ = {left.begin(), left.end()};
 }
 
+// The integrator, if it is another one than at the start.
+void Simulation::Impl::archive_integrator(Archive& archive) {
+  bool other = !(options.integrator == first_integrator);
+  archive.flag(other);
+  LawUse use = options.integrator;
+  if (other) {
+    archive.text(use.id);
+    std::vector<std::pair<std::string, double>> values(use.parameters.begin(), use.parameters.end());
+    values.resize(archive.count(values.size(), sizeof(std::uint64_t), "parameters of the integrator"));
+    for (auto& [name, value] : values) {
+      archive.text(name);
+      archive.number(value);
+    }
+    use.parameters = {values.begin(), values.end()};
+  }
+  if (archive.reads()) restored = other ? use : first_integrator;
+}
+
 void Simulation::Impl::archive(Archive& archive) {
+  archive_integrator(archive);
   engine.archive(archive);
   archive.number(steps);
   archive.number(sweeps);
@@ -58,6 +78,17 @@ void Simulation::Impl::archive(Archive& archive) {
     Archive::refuse("its next step ends at another time");
 }
 
+// Changed springs lie where they were; in a simulation that takes up the state they are laid out anew, and sums have
+// another order.
+void Simulation::Impl::lay_out_changes() {
+  if (!engine.model().layout.has_changes()) return;
+  std::string own;
+  Archive out(&own);
+  archive(out);
+  Archive in{std::string_view(own)};
+  archive(in);
+}
+
 const Identity& Simulation::Impl::network_identity() {
   if (identity_of_network != network) {
     identity = std::make_shared<const Identity>(identity_of(*network, *plugins));
@@ -67,11 +98,13 @@ const Identity& Simulation::Impl::network_identity() {
 }
 
 Identity Simulation::Impl::present_identity() {
+  // An integrator that has been exchanged since belongs to the state.
+  const std::shared_ptr<const Component> first = plugins->require(ComponentKind::integrator, first_integrator.id);
   const std::vector<double> parameters =
-      complete_parameters(*component->description, options.integrator.parameters, options.integrator.id);
+      complete_parameters(*first->description, first_integrator.parameters, first_integrator.id);
   Identity result{{"version of springnet", std::string(version())},
-                  {"integrator", identity_text(*component)},
-                  {"parameters of the integrator", parameters_text(*component, parameters)},
+                  {"integrator", identity_text(*first)},
+                  {"parameters of the integrator", parameters_text(*first, parameters)},
                   {"time step", fmt::format("{} s", options.time_step)},
                   {"nodes are renumbered", options.renumber ? "yes" : "no"},
                   {"dissipated energy is summed up", options.dissipated_energy ? "yes" : "no"}};
@@ -147,10 +180,12 @@ void Simulation::Impl::take_up(std::string_view bytes) {
     std::string memory;
     archive.text(memory);
     if (archive.left() > 0) Archive::refuse("it is too long");
+    if (!(*restored == options.integrator)) exchange(*restored);
     settle_history(memory);
   } catch (...) {
     Archive back{std::string_view(before)};
     archive(back);
+    if (!(*restored == options.integrator)) exchange(*restored);
     drop_history();
     throw;
   }
@@ -168,7 +203,9 @@ void Simulation::Impl::settle_history(std::string_view memory) {
 
 std::string Simulation::Impl::state() {
   std::string memory = integrator_memory();
-  settle_history(memory);  // as in the simulation that takes up the bytes
+  // As in the simulation that takes up the bytes.
+  lay_out_changes();
+  settle_history(memory);
   std::string bytes;
   Archive archive(&bytes);
   this->archive(archive);

@@ -127,7 +127,59 @@ void Simulation::Impl::drop_history() {
   integrator = before;
 }
 
+void Simulation::Impl::exchange(const LawUse& next) {
+  const std::shared_ptr<const Component> other = plugins->require(ComponentKind::integrator, next.id);
+  engine.forget();
+  engine.calls().begin_advance(engine.model().time);
+  const std::shared_ptr<const Component> old_component = std::exchange(component, other);
+  const LawUse old_use = std::exchange(options.integrator, next);
+  void* const old_integrator = std::exchange(integrator, nullptr);
+  const auto swap_back = [&] {
+    component = old_component;
+    options.integrator = old_use;
+    integrator = old_integrator;
+  };
+  try {
+    create_integrator();
+  } catch (...) {
+    destroy_integrator();
+    swap_back();
+    throw;
+  }
+  void* const new_integrator = integrator;
+  swap_back();
+  destroy_integrator();
+  component = other;
+  options.integrator = next;
+  integrator = new_integrator;
+  Model& model = engine.model();
+  model.step_length = 0.0;
+  state_is_of_step = false;
+  model.changed();
+}
+
+void Simulation::Impl::exchange_due() {
+  const Model& model = engine.model();
+  const double slack = 1e-9 * std::min(model.time_step, model.time);
+  while (engine.changes().next_exchange() <= model.time + slack) {
+    const LawUse next = engine.changes().take_exchange();
+    exchange(next);
+    engine.model().journal.note(fmt::format("From {:g} s on the integrator is '{}'.", model.time, next.id));
+  }
+}
+
+// The integrator is exchanged between two calls of it.
 void Simulation::Impl::advance(double until) {
+  const double slack = 1e-9 * std::min(options.time_step, until);
+  for (double next = engine.changes().next_exchange(); next < until - slack; next = engine.changes().next_exchange()) {
+    advance_part(next);
+    exchange_due();
+  }
+  advance_part(until);
+  exchange_due();
+}
+
+void Simulation::Impl::advance_part(double until) {
   const Profiler::Scope step(options.profiler.get(), "step");
   const double from = engine.model().time;
   springnet_step_report report{};

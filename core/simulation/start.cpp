@@ -40,12 +40,15 @@ double mean_length(const Model& model) {
   return count > 0 ? length / static_cast<double>(count) : 1.0;
 }
 
-void check_places(const Model& model, double size) {
+}  // namespace
+
+void check_places(const Model& model, double size, const std::function<bool(std::uint32_t, std::size_t)>& is_checked) {
   const Contact& contact = model.contact;
   const std::shared_ptr<const Placement> start = model.placement(model.time);
   for (std::uint32_t k = 0; k < model.node_count(); ++k) {
     if (contact.fixed()[k] != 0) continue;
     for (std::size_t j = 0; j < contact.obstacles().size(); ++j) {
+      if (is_checked && !is_checked(k, j)) continue;
       const Obstacle& obstacle = contact.obstacles()[j];
       const double depth = starting_depth(obstacle, start->poses[j], vector_at(model.state.view.position, k), size);
       if (depth == 0.0) continue;
@@ -53,8 +56,6 @@ void check_places(const Model& model, double size) {
     }
   }
 }
-
-}  // namespace
 
 Scales find_scales(Model& model) {
   const double length = mean_length(model);
@@ -83,7 +84,7 @@ Scales find_scales(Model& model) {
 
 void start_constraints(Model& model, double size) {
   model.contact.set_rest_speed(slow_slip * model.scales.velocity);
-  check_places(model, size);
+  check_places(model, size, {});
   const State& state = model.state;
   if (model.rigid.any()) {
     const double rate = model.rigid.max_length_rate(read_only(state.view.position), read_only(state.view.velocity));

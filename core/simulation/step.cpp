@@ -112,7 +112,7 @@ springnet_status Engine::project_state(double time, const springnet_vectors& pos
 
 double Engine::next_discontinuity(double time) const noexcept {
   return std::min({model_.loads.next_switch(time), model_.layout.laws().signals->next_kink(time),
-                   model_.contact.next_change(time), topology_.next_cut(time)});
+                   model_.contact.next_change(time), topology_.next_cut(time), changes_.next(time)});
 }
 
 void Engine::forget() noexcept {
@@ -151,6 +151,7 @@ springnet_status Engine::commit(double time, State& state) {
   const profile::Stage stage("topology");
   status = topology_.perform_due_ruptures();
   topology_.perform_due_cuts();
+  changes_.perform_due();
   return status;
 }
 

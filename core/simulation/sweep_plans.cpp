@@ -12,8 +12,11 @@ constexpr std::size_t max_bytes = std::size_t{1} << 21, max_plan_bytes = std::si
 }  // namespace
 
 const layers::SweepPlan* SweepPlans::find(const layers::Layout& layout, std::span<const std::uint32_t> order) {
-  if (revision_ != layout.revision()) {
-    revision_ = layout.revision();
+  if (revision_ != layout.revision() + layout.value_revision()) {
+    revision_ = layout.revision() + layout.value_revision();
+    // Rows may differ in more columns, for which plans have made no room.
+    if (value_revision_ != layout.value_revision()) plans_.clear();
+    value_revision_ = layout.value_revision();
     made_ = 0;
     is_too_large_ = false;
   }

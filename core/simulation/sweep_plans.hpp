@@ -24,7 +24,7 @@ class SweepPlans {
   std::vector<std::unique_ptr<layers::SweepPlan>> plans_;  // used last first
   std::size_t made_ = 0;                                   // of them
   bool is_too_large_ = false;
-  std::uint64_t revision_ = 0;  // of the layout
+  std::uint64_t revision_ = 0, value_revision_ = 0;  // of the layout: both together, those of its values
 };
 
 }  // namespace springnet

@@ -159,6 +159,32 @@ bool Topology::remove_faces(const std::vector<std::size_t>& faces, double time) 
   return true;
 }
 
+std::size_t Topology::remove_elements(const std::vector<std::uint32_t>& elements) {
+  const std::size_t before = model_.layout.elements().live_count();
+  remove({{}, elements, {}}, Event::Kind::cut, model_.time, model_.state.nodes());
+  return before - model_.layout.elements().live_count();
+}
+
+void Topology::remove_nodes(const std::vector<std::uint32_t>& nodes) {
+  const layers::Layout& layout = model_.layout;
+  Removal removal;
+  std::vector<std::uint8_t> goes(layout.node_count(), 0);
+  for (const std::uint32_t node : nodes) {
+    goes[node] = 1;
+    for (const layers::Incident* each = layout.incident_begin(node); each != layout.incident_end(node); ++each)
+      removal.springs.push_back(each->spring);
+    for (const layers::ElementShare& share : layout.elements().shares(node)) removal.elements.push_back(share.element);
+  }
+  std::sort(removal.springs.begin(), removal.springs.end());
+  const layers::LoadedFaces& faces = layout.loaded_faces();
+  for (std::size_t f = 0; f < faces.count(); ++f) {
+    const auto& corners = faces.corners(f);
+    if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t corner) { return goes[corner] != 0; }))
+      removal.faces.push_back(f);
+  }
+  remove(removal, Event::Kind::cut, model_.time, model_.state.nodes());
+}
+
 std::size_t Topology::cut(const std::vector<std::uint32_t>& springs) {
   return remove({springs, {}, {}}, Event::Kind::cut, model_.time, model_.state.nodes());
 }
@@ -222,6 +248,12 @@ springnet_status Topology::perform_due_ruptures() {
   return SPRINGNET_OK;
 }
 
+void Topology::take_over(const Topology& before) {
+  for (std::size_t k = 0; k < before.cuts_.size(); ++k) cuts_[k].done = before.cuts_[k].done;
+  torn_loads_ = before.torn_loads_;
+  torn_faces_ = before.torn_faces_;
+}
+
 void Topology::archive(Archive& archive) {
   layers::Layout& layout = model_.layout;
   bool changes = false;
@@ -242,6 +274,7 @@ void Topology::archive(Archive& archive) {
       layout.elements().count(), [&](std::uint32_t e) { return layout.elements().alive(e); }, "elements");
   const auto faces = removed(
       layout.loaded_faces().count(), [&](std::uint32_t f) { return layout.loaded_faces().alive(f); }, "loaded faces");
+  layout.archive_changes(archive);
   archive.same(cuts_.size(), "cuts");
   for (ScheduledCut& each : cuts_) archive.flag(each.done);
   std::vector<std::uint32_t> torn(torn_loads_.begin(), torn_loads_.end());

@@ -38,13 +38,17 @@ class Topology {
     std::vector<std::size_t> faces;
   };
   std::size_t remove(const Removal& removal, Event::Kind kind, double time, const layers::NodeArrays& nodes);
-  // At the committed state.
+  // At the committed state. Nodes lose all that is theirs.
+  std::size_t remove_elements(const std::vector<std::uint32_t>& elements);
+  void remove_nodes(const std::vector<std::uint32_t>& nodes);
   std::size_t cut(const std::vector<std::uint32_t>& springs);
   std::size_t cut(const CuttingPolygon& polygon);
   // The scene's cuts up to the committed time.
   void perform_due_cuts();
   // Removes what has no margin left at the committed state.
   springnet_status perform_due_ruptures();
+  // The same of the network before it was extended.
+  void take_over(const Topology& before);
   // What has been removed, and the cuts that were made.
   void archive(Archive& archive);
   // Whether a cut of the scene was made, by its number.

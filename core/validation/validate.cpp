@@ -245,6 +245,13 @@ bool Validation::within(double tolerance) const {
 
 Validation validate(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
                     const ValidationOptions& options) {
+  const std::vector<Change>& changes = scene.network.changes();
+  for (std::size_t k = 0; k < changes.size(); ++k)
+    if (changes[k].integrator)
+      throw Error(ErrorKind::input,
+                  fmt::format("change {} exchanges the integrator at {:g} s: validate compares one integrator with a "
+                              "reference; leave the exchange out, and validate each integrator by itself",
+                              k, changes[k].time));
   check_starts(scene);
   if (!(options.relative_tolerance > options.certifying_tolerance) || !(options.certifying_tolerance > 0.0)) {
     throw Error(

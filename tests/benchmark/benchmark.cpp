@@ -137,6 +137,42 @@ void hinges(benchmark::State& state) {
 }
 BENCHMARK(hinges)->Name("hinges/nodes_a_side:21/threads:1")->Unit(benchmark::kMicrosecond);
 
+// ---- changes while a simulation runs ----
+
+// What is timed of a thousand springs, at random, of a million that get another stiffness: the change, the step after
+// it, or a step with nothing changed. One synchronous sweep a step: the cheapest there is.
+enum class Timed { change, step_after_change, step };
+void changes(benchmark::State& state, Timed timed) {
+  const springnet::SimulationOptions options{
+      .time_step = 1e-4,
+      .integrator = {"recurrent", {{"update", choice("recurrent", "update", "synchronous")}, {"sweeps", 1.0}}},
+      .threads = 1};
+  springnet::Simulation simulation(lattice(54, 100.0, 0.1), plugins(), options);
+  std::uint64_t random = 1;
+  std::vector<springnet::SpringIndex> springs(1000);
+  std::vector<double> values(springs.size());
+  simulation.step();
+  for ([[maybe_unused]] auto iteration : state) {
+    for (std::size_t i = 0; i < springs.size(); ++i) {
+      random = random * 6364136223846793005U + 1442695040888963407U;
+      springs[i] = static_cast<springnet::SpringIndex>((random >> 33) % simulation.spring_count());
+      values[i] = 100.0 + static_cast<double>(random >> 54);
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    if (timed != Timed::step)
+      simulation.set_parameter(springs, springnet::ComponentKind::spring_function, "stiffness", values);
+    const auto changed = std::chrono::steady_clock::now();
+    simulation.step();
+    const auto end = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> taken = timed == Timed::change ? changed - begin : end - changed;
+    state.SetIterationTime(taken.count());
+  }
+  state.counters["springs"] = static_cast<double>(simulation.spring_count());
+}
+BENCHMARK_CAPTURE(changes, of_1000_springs, Timed::change)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(changes, step_after_change, Timed::step_after_change)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(changes, step, Timed::step)->UseManualTime()->Unit(benchmark::kMillisecond);
+
 // ---- derivatives, in units of the forces ----
 
 // The shortest time of `calls` calls, s, of some hundred: what interrupts one only adds to the others.

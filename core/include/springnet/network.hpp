@@ -235,6 +235,23 @@ struct Cut {
   std::vector<Vector3> polygon;  // m
 };
 
+// A change at a time of springs, elements and nodes, as Simulation's functions make it (set_parameter, …): parameters
+// and inputs of laws, by name; rest lengths (m) and references, or factors of them as they are then; masses (kg).
+// `remove`: springs, elements and nodes are removed, after the other changes. The integrator is that from then on.
+struct Change {
+  double time = 0.0;  // s
+  std::vector<SpringIndex> springs;
+  std::vector<ElementIndex> elements;
+  std::vector<NodeIndex> nodes;
+  ParameterValues spring{}, viscosity{};                 // of springs and elements that have such a law
+  ParameterValues spring_inputs{}, viscosity_inputs{};   // likewise
+  ParameterValues neuron{};                              // of nodes
+  std::optional<double> reference{}, reference_scale{};  // of springs and elements
+  std::optional<double> mass{};                          // of nodes
+  bool remove = false;
+  std::optional<LawUse> integrator{};
+};
+
 enum class Diagonals { none, face, space, all };
 
 // A box of nodes: node (i, j, k) at origin + spacing (i, j, k) has the number i + nodes[0] (j + nodes[1] k) in its
@@ -316,6 +333,9 @@ class Network {
   // than 1e-8 of it.
   SPRINGNET_API RigidIndex add_rigid(NodeIndex first, NodeIndex second, std::optional<double> length = std::nullopt);
   SPRINGNET_API void add_cut(const Cut& cut);
+  // Throws Error(input) for a time below 0 or not finite, what does not exist, or nothing that changes. Simulation
+  // checks names and values against the laws.
+  SPRINGNET_API void add_change(const Change& change);
   // Throws Error(input) for an empty input, a name that is taken, a spring or element that does not exist, no spring
   // and no element, or an invalid signal. Simulation checks that a law of one of them has the input, and that the
   // signal stays within the bounds which the laws declare.
@@ -335,12 +355,15 @@ class Network {
   [[nodiscard]] const std::vector<Move>& moves() const noexcept { return moves_; }
   [[nodiscard]] const std::vector<Rigid>& rigids() const noexcept { return rigids_; }
   [[nodiscard]] const std::vector<Cut>& cuts() const noexcept { return cuts_; }
+  [[nodiscard]] const std::vector<Change>& changes() const noexcept { return changes_; }
   [[nodiscard]] const std::vector<Input>& inputs() const noexcept { return inputs_; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
 
   // Change what was added, with the same checks. A node with prescribed motion keeps it. The new position of a rigidly
   // connected node must keep the lengths.
   SPRINGNET_API void set_node(NodeIndex index, const Node& node);
+  // Positions of all nodes at once, m, [node], which keep the lengths of rigid connections to a millionth.
+  SPRINGNET_API void move_nodes(const std::vector<Vector3>& positions);
   SPRINGNET_API void set_spring_material(SpringIndex spring, MaterialIndex material);
   SPRINGNET_API void set_rest_length(SpringIndex spring, double rest_length);
   // Not of elements whose laws read several scalars.
@@ -377,6 +400,7 @@ class Network {
   std::vector<Move> moves_;
   std::vector<Rigid> rigids_;
   std::vector<Cut> cuts_;
+  std::vector<Change> changes_;
   std::vector<Input> inputs_;
   Vector3 gravity_ = Vector3::Zero();
   std::size_t table_values_ = 0;  // of all materials

@@ -113,6 +113,36 @@ void ElementLayout::put_back_all() {
   make_batches();
 }
 
+void ElementLayout::row_changed(std::uint32_t element) {
+  if (!alive(element) || invariant_[element] == Invariant::enclosed_volume) return;
+  const std::uint32_t place = place_in_batched_[element];
+  row_.own()[place] = row(element);
+  reference_.own()[place] = reference(element);
+  const auto behind = std::upper_bound(batches_.begin(), batches_.end(), place,
+                                       [](std::uint32_t at, const ElementBatch& batch) { return at < batch.begin; });
+  ElementBatch& batch = batches_.own()[static_cast<std::size_t>(behind - batches_.begin()) - 1];
+  batch.one_row = std::all_of(row_.begin() + batch.begin, row_.begin() + batch.begin + batch.count,
+                              [&](std::uint32_t other) { return other == row_[batch.begin]; });
+}
+
+void ElementLayout::groups_changed() {
+  if (count() == 0) return;
+  share_out();
+  drop_dead_shares(0, share_stop_.size());
+  make_batches();
+}
+
+void ElementLayout::drop_dead_shares(std::size_t begin_node, std::size_t end_node) {
+  std::vector<ElementShare>& all = shares_.own();
+  std::vector<std::size_t>& stop = share_stop_.own();
+  for (std::size_t node = begin_node; node < end_node; ++node) {
+    ElementShare* begin = all.data() + share_start_[node];
+    ElementShare* end = all.data() + stop[node];
+    const ElementShare* kept = std::remove_if(begin, end, [this](const ElementShare& s) { return !alive(s.element); });
+    stop[node] = static_cast<std::size_t>(kept - all.data());
+  }
+}
+
 // Sorted by invariant and laws, then by lowest node, so that successive elements read the same nodes.
 void ElementLayout::make_batches() {
   std::vector<std::uint32_t> batched;
@@ -179,6 +209,7 @@ void ElementLayout::fill_batches() {
   }
   force_slots_ = std::move(slots);
   slot_stop_ = std::move(stop);
+  place_in_batched_ = std::move(index);
   if (internal_ != nullptr) fill_places();
 }
 
@@ -231,16 +262,8 @@ std::vector<std::uint32_t> ElementLayout::remove(const std::vector<std::uint32_t
   }
   if (removed.empty()) return removed;
   live_count_ -= removed.size();
-  std::vector<ElementShare>& all = shares_.own();
-  std::vector<std::size_t>& stop = share_stop_.own();
   for (const std::uint32_t e : removed) {
-    for (const std::uint32_t node : nodes(e)) {
-      ElementShare* begin = all.data() + share_start_[node];
-      ElementShare* end = all.data() + stop[node];
-      const ElementShare* kept =
-          std::remove_if(begin, end, [this](const ElementShare& s) { return !alive(s.element); });
-      stop[node] = static_cast<std::size_t>(kept - all.data());
-    }
+    for (const std::uint32_t node : nodes(e)) drop_dead_shares(node, std::size_t{node} + 1);
   }
   make_batches();
   return removed;

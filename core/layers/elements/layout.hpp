@@ -131,9 +131,13 @@ class ElementLayout {
   // Elements removed before are ignored; returns the others.
   std::vector<std::uint32_t> remove(const std::vector<std::uint32_t>& elements);
   void put_back_all();
+  // To be called after the row of an element, or a value in it, has become another one; after its group has.
+  void row_changed(std::uint32_t element);
+  void groups_changed();
 
  private:
   void share_out();
+  void drop_dead_shares(std::size_t begin_node, std::size_t end_node);
   void make_batches();
   void fill_batches();
   void fill_places();
@@ -169,6 +173,7 @@ class ElementLayout {
   SharedVector<std::uint32_t> batched_;
   // [batched]
   SharedVector<std::uint32_t> corner_[max_corners], row_;
+  SharedVector<std::uint32_t> place_in_batched_;  // [element], of live ones that are there
   SharedVector<double> reference_;
   const InternalLayout* internal_ = nullptr;  // null: no law has internal state
   SharedVector<std::uint32_t> place_;

@@ -66,8 +66,8 @@ void MatrixFree::lay_out() {
   own_.assign(12 * n, 0.0);
   blocks_.assign(9 * n, 0.0);
   inverse_.assign(12 * n, 0.0F);
-  if (laid_out_springs_ == layout_.live_count()) return;
-  laid_out_springs_ = layout_.live_count();
+  if (laid_out_ == layout_.revision()) return;
+  laid_out_ = layout_.revision();
   for (auto& vector : vectors_) vector.assign(4 * n, 0.0F);
   for (auto* vector : {&solution_, &residual_}) vector->assign(4 * n, 0.0);
   parts_.clear();

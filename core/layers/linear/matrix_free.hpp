@@ -99,20 +99,20 @@ class MatrixFree {
   const std::vector<double>& mass_;
   const std::vector<std::uint8_t>& constrained_;
   const SpringKernels& kernels_;
-  std::size_t laid_out_springs_ = ~std::size_t{0};  // left when springs_ were made
-  std::vector<UnitSprings> springs_;                // [unit]
-  std::vector<NodeRange> parts_;                    // of sums
-  std::vector<std::size_t> first_part_;             // [unit + 1]
-  double unit_ = 1.0;                               // kg: the system is that in this unit of mass
-  std::vector<double> own_;                         // [node][3][4] columns of their own blocks
-  std::vector<double> blocks_;                      // [node][3][3], with the springs'
-  std::vector<float> inverse_;                      // [node][3][4] columns
-  bool isotropic_ = false;                          // own_ are multiples of the identity:
-  std::vector<float> own_scale_;                    // [node]
-  std::vector<float> own_single_;                   // own_, if they are not
-  std::vector<float> inverse_mass_;                 // [node]
-  std::array<std::vector<float>, 6> vectors_;       // b, x, r, z, p, q
-  std::vector<double> solution_, residual_;         // [node][4]
+  std::uint64_t laid_out_ = 0;                 // revision of the layout when springs_ were made
+  std::vector<UnitSprings> springs_;           // [unit]
+  std::vector<NodeRange> parts_;               // of sums
+  std::vector<std::size_t> first_part_;        // [unit + 1]
+  double unit_ = 1.0;                          // kg: the system is that in this unit of mass
+  std::vector<double> own_;                    // [node][3][4] columns of their own blocks
+  std::vector<double> blocks_;                 // [node][3][3], with the springs'
+  std::vector<float> inverse_;                 // [node][3][4] columns
+  bool isotropic_ = false;                     // own_ are multiples of the identity:
+  std::vector<float> own_scale_;               // [node]
+  std::vector<float> own_single_;              // own_, if they are not
+  std::vector<float> inverse_mass_;            // [node]
+  std::array<std::vector<float>, 6> vectors_;  // b, x, r, z, p, q
+  std::vector<double> solution_, residual_;    // [node][4]
   std::vector<double> force_;
   std::vector<double> by_force_, by_position_, by_velocity_;
   TeamSum sum_;

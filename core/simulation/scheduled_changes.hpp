@@ -1,0 +1,47 @@
+// The scene's changes of laws, neurons, rest states and masses, at the first moment of their time, as cuts.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "text/archive.hpp"
+
+namespace springnet {
+
+class Engine;
+
+class ScheduledChanges {
+ public:
+  // Throws Error(input) for names that laws do not have, and values out of their bounds.
+  ScheduledChanges(Engine& engine, const std::vector<Change>& changes);
+
+  // Those up to the committed time, but for exchanges of the integrator.
+  void perform_due();
+  // Time of the next change, s; infinity if there is none.
+  [[nodiscard]] double next(double time) const noexcept;
+  // The next exchange of the integrator that has not been made: its time, s; infinity if there is none.
+  [[nodiscard]] double next_exchange() const noexcept;
+  // The integrator of that; it counts as made then.
+  [[nodiscard]] LawUse take_exchange();
+  // Those that were made.
+  void archive(Archive& archive);
+  // The same of the network before it was extended.
+  void take_over(const ScheduledChanges& before);
+
+ private:
+  struct Scheduled {
+    Change change;
+    bool done = false, exchanged = false;
+  };
+  void check(const Change& change) const;
+  void perform(const Change& change);
+  [[nodiscard]] std::vector<Scheduled>::iterator first_exchange() noexcept;
+
+  Engine& engine_;
+  std::vector<Scheduled> changes_;
+};
+
+}  // namespace springnet
