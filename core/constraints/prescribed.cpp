@@ -12,7 +12,7 @@ Prescribed::Prescribed(const Network& network, const std::vector<std::uint32_t>&
     now_.trajectories.emplace_back(move.motion);
     for (const NodeIndex user : move.nodes) {
       now_.motion_of.resize(node_count_, none);
-      now_.start.resize(node_count_);
+      now_.start.resize(node_count_, Vector3::Zero());
       const std::uint32_t k = engine_number[user];
       now_.motion_of[k] = static_cast<std::uint32_t>(now_.trajectories.size() - 1);
       now_.start[k] = network.nodes()[user].position;
@@ -51,7 +51,7 @@ double Prescribed::next_change_of_scene(double time) const {
 void Prescribed::set(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
   change();
   now_.motion_of.resize(node_count_, none);
-  now_.start.resize(node_count_);
+  now_.start.resize(node_count_, Vector3::Zero());
   // Reuse the slot of the node's last motion: a host may move a node at every frame.
   const std::uint32_t old = now_.motion_of[node];
   const bool alone = old != none && std::count(now_.motion_of.begin(), now_.motion_of.end(), old) == 1;
