@@ -27,20 +27,22 @@ bool reads_direction(const Material& material, const PluginHost& plugins) {
 WrittenElements::WrittenElements(const Scene& scene, const PluginHost& plugins)
     : network_(scene.network), plugins_(plugins) {
   const std::vector<Element>& elements = network_.elements();
-  // Where a table has to begin: at a new set, and where an input's elements begin or end.
+  // Where a table has to begin: at a new set, and where the elements of an input or a change begin or end.
   std::set<ElementIndex> starts;
   std::map<ElementIndex, std::string> names;
   for (const ElementSet& set : scene.elements) {
     starts.insert({set.first, set.first + set.count});
     if (!set.name.empty()) names.emplace(set.first, set.name);
   }
-  for (const Input& input : network_.inputs()) {
-    const std::set<ElementIndex> own(input.elements.begin(), input.elements.end());
+  const auto apart = [&](const std::vector<ElementIndex>& list) {
+    const std::set<ElementIndex> own(list.begin(), list.end());
     for (const ElementIndex e : own) {
       if (!own.contains(e - 1)) starts.insert(e);
       if (!own.contains(e + 1)) starts.insert(e + 1);
     }
-  }
+  };
+  for (const Input& input : network_.inputs()) apart(input.elements);
+  for (const Change& change : network_.changes()) apart(change.elements);
   std::set<std::string> taken;
   for (const auto& [first, name] : names) taken.insert(name);
   for (ElementIndex e = 0; e < elements.size(); ++e) {

@@ -9,11 +9,9 @@
 #include "scene/writing.hpp"
 
 namespace springnet::scene {
-namespace {
-
 using namespace toml_text;
 
-std::string value_of(const springnet_parameter& parameter, double value) {
+std::string text_of(const springnet_parameter& parameter, double value) {
   switch (parameter.type) {
     case SPRINGNET_BOOLEAN:
       return value != 0.0 ? "true" : "false";
@@ -25,6 +23,8 @@ std::string value_of(const springnet_parameter& parameter, double value) {
       return number(value);
   }
 }
+
+namespace {
 
 std::string with_unit(double value, const std::string& unit) {
   return unit.empty() ? number(value) : in_quotes(fmt::format("{} {}", value, unit));
@@ -152,7 +152,7 @@ std::string text_of(const LawUse& use, ComponentKind kind, const PluginHost& plu
   for (std::uint32_t i = 0; i < component->description->parameter_count; ++i) {
     const springnet_parameter& declared = *component->description->parameters[i];
     if (const auto given = use.parameters.find(std::string_view(declared.name)); given != use.parameters.end())
-      table.add(declared.name, value_of(declared, given->second));
+      table.add(declared.name, text_of(declared, given->second));
   }
   for (const auto& [name, values] : use.tables) table.add(name, numbers(values));
   return table.text();

@@ -84,6 +84,7 @@ std::string to_scene(const Scene& scene, const PluginHost& plugins) {
   scene::write_loads(network, out);
   scene::write_surroundings(network, out);
   scene::write_inputs(network, elements, out);
+  scene::write_changes(network, plugins, elements, out);
   if (out.text().size() > scene::longest_scene)
     throw Error(ErrorKind::input,
                 fmt::format("the network is too large for a scene: its text has {} bytes, at most {} are read",

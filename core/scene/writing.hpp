@@ -20,6 +20,8 @@ namespace springnet::scene {
 // mass: of a neuron.
 [[nodiscard]] std::string text_of(const LawUse& use, ComponentKind kind, const PluginHost& plugins,
                                   std::string_view name_key = "type", std::optional<double> mass = {});
+// A value of a parameter: a choice by its name.
+[[nodiscard]] std::string text_of(const springnet_parameter& parameter, double value);
 // The keys spring and viscosity. with_none: also where there is none, for what replaces another.
 void write_material(const Material& material, const PluginHost& plugins, bool with_none, toml_text::Document& out);
 
@@ -58,5 +60,7 @@ void write_loads(const Network& network, toml_text::Document& out);
 // [[cut]], [[move]], [[plane]], [[instrument]]
 void write_surroundings(const Network& network, toml_text::Document& out);
 void write_inputs(const Network& network, const WrittenElements& elements, toml_text::Document& out);
+void write_changes(const Network& network, const PluginHost& plugins, const WrittenElements& elements,
+                   toml_text::Document& out);
 
 }  // namespace springnet::scene

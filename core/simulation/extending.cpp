@@ -112,7 +112,10 @@ void Simulation::extend(const std::function<void(Network&)>& add) {
   }
   check_only_added(before, *next);
   check_spacing(*next, {before.springs().size(), before.elements().size(), before.rigids().size()});
-  impl_ = std::make_unique<Impl>(std::move(next), impl);
+  auto extended = std::make_unique<Impl>(std::move(next), impl);
+  extended->watchers.take_over(impl.watchers);
+  impl_ = std::move(extended);
+  impl_->changed();
 }
 
 }  // namespace springnet

@@ -83,6 +83,40 @@ void add_obstacles(const Network& network, Engine& engine, Network& result) {
   }
 }
 
+// Those that are still to come. One of springs and elements that are all removed is none.
+void add_changes(const Network& network, Engine& engine, const NewNumbers& numbers, Network& result) {
+  const auto renumbered = [](std::vector<std::uint32_t>& list, const std::vector<std::uint32_t>& now) {
+    const std::vector<std::uint32_t> before = std::exchange(list, {});
+    for (const std::uint32_t each : before)
+      if (now[each] != NewNumbers::removed) list.push_back(now[each]);
+  };
+  for (std::size_t k = 0; k < network.changes().size(); ++k) {
+    Change change = network.changes()[k];
+    if (engine.changes().is_exchanged(k)) change.integrator.reset();
+    const bool is_due = !engine.changes().is_done(k);
+    if (!is_due) {
+      change.springs.clear();
+      change.elements.clear();
+      change.nodes.clear();
+    }
+    change.time = std::max(0.0, change.time - engine.model().time);
+    renumbered(change.springs, numbers.spring);
+    renumbered(change.elements, numbers.element);
+    const bool of_laws = !change.springs.empty() || !change.elements.empty();
+    if (!of_laws) {
+      for (ParameterValues* each : {&change.spring, &change.viscosity, &change.spring_inputs, &change.viscosity_inputs})
+        each->clear();
+      change.reference.reset();
+      change.reference_scale.reset();
+    }
+    if (change.nodes.empty()) {
+      change.neuron.clear();
+      change.mass.reset();
+    }
+    if (of_laws || !change.nodes.empty() || change.integrator) result.add_change(change);
+  }
+}
+
 }  // namespace
 
 void add_surroundings(const Network& network, Engine& engine, const NewNumbers& numbers, Network& result) {
@@ -99,6 +133,7 @@ void add_surroundings(const Network& network, Engine& engine, const NewNumbers& 
       if (numbers.spring[each] != NewNumbers::removed) cut.springs.push_back(numbers.spring[each]);
     if (!cut.springs.empty() || !cut.polygon.empty()) result.add_cut(cut);
   }
+  add_changes(network, engine, numbers, result);
 }
 
 }  // namespace springnet

@@ -22,6 +22,9 @@ class ScheduledChanges {
   void perform_due();
   // Time of the next change, s; infinity if there is none.
   [[nodiscard]] double next(double time) const noexcept;
+  // Of a change of the scene, by its number: whether it was made, and its integrator exchanged.
+  [[nodiscard]] bool is_done(std::size_t change) const { return changes_[change].done; }
+  [[nodiscard]] bool is_exchanged(std::size_t change) const { return changes_[change].exchanged; }
   // The next exchange of the integrator that has not been made: its time, s; infinity if there is none.
   [[nodiscard]] double next_exchange() const noexcept;
   // The integrator of that; it counts as made then.

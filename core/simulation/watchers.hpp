@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <springnet/simulation.hpp>
@@ -44,6 +45,14 @@ struct Watchers {
   bool are_called = false;  // a callback is running
   SnapshotShelf shelf;
 
+  // What the program asked for of the simulation before it was extended; its snapshot stays until the next one.
+  void take_over(Watchers& before) {
+    on_event = std::move(before.on_event);
+    on_step = std::move(before.on_step);
+    told = before.told;
+    shelf.keep(before.shelf.keeps());
+    shelf.put(before.shelf.take());
+  }
   // Tells the events that are new. One whose callback throws counts as told; those after it are told next time.
   void tell_events(const std::vector<Event>& events);
   void tell_step(const StepReport& report);

@@ -458,3 +458,50 @@ TEST_CASE("what a scene cannot say is an error that names it") {
   const Network fine = oscillator(damped(1.0, 0.0), 1.0, 0.1);
   CHECK_THROWS_AS(write_scene(scene_of(fine), *plugins(), "/no/such/folder/scene.toml"), Error);
 }
+
+TEST_CASE("changes at times are written") {
+  Network net = cube(30.0, 2.0, 9.81, 0.02);
+  const SpringIndex spring = 5;
+  const ElementIndex area = net.add_element(Invariant::area, {0, 1, 4}, net.springs().materials()[0]);
+  Change laws;
+  laws.time = 0.01;
+  laws.springs = {spring, 7};
+  laws.elements = {area};
+  laws.spring = {{"stiffness", 12.5}};
+  laws.reference_scale = 1.25;
+  net.add_change(laws);
+  Change nodes;
+  nodes.time = 0.02;
+  nodes.nodes = {3};
+  nodes.mass = 2.5;
+  nodes.integrator = LawUse{"recurrent", {{"theta", 0.5}}};
+  net.add_change(nodes);
+  Change removal;
+  removal.time = 0.03;
+  removal.springs = {9};
+  removal.nodes = {11};
+  removal.elements = {area};
+  removal.remove = true;
+  net.add_change(removal);
+  Scene scene = scene_of(net);
+  scene.options.time_step = 0.005;
+  const Scene again = read(to_scene(scene, *plugins()));
+  // One of several kinds is written as several.
+  CHECK(again.network.changes().size() == 7);
+  Simulation first(scene.network, plugins(), scene.options), second(again.network, plugins(), again.options);
+  for (int step = 0; step < 10; ++step) {
+    first.step();
+    second.step();
+    for (NodeIndex k = 0; k < first.node_count(); ++k) REQUIRE(first.position(k) == second.position(k));
+  }
+  CHECK(second.mass(3) == 2.5);
+  CHECK(second.parameter(spring, ComponentKind::spring_function, "stiffness") == 12.5);
+  CHECK_FALSE(second.alive(9));
+  // Those that are still to come are in the present network.
+  Simulation third(scene.network, plugins(), scene.options);
+  third.advance_to(0.015);
+  const Network present = third.present_network();
+  CHECK(present.changes().size() == 2);
+  CHECK(present.changes()[0].time == doctest::Approx(0.005));
+  CHECK(present.changes()[1].springs == std::vector<SpringIndex>{9});
+}
