@@ -39,7 +39,7 @@ void Watchers::tell_step(const StepReport& report) {
 void Simulation::Impl::publish() {
   if (!watchers.shelf.keeps()) return;
   const Model& model = engine.model();
-  auto snapshot = std::make_shared<Snapshot>();
+  std::unique_ptr<Snapshot> snapshot = watchers.shelf.blank();
   snapshot->time = model.time;
   snapshot->steps = steps;
   snapshot->live_springs = model.layout.live_count();

@@ -13,17 +13,33 @@
 
 namespace springnet {
 
-// The newest snapshot. One thread puts, any thread takes.
+// The newest snapshot. One thread puts, any thread takes. The memory of those that nobody holds any more is used again:
+// a new page of memory costs more than what is written to it.
 class SnapshotShelf {
  public:
   void keep(bool wanted) {
+    std::shared_ptr<const Snapshot> last;  // ends after the lock
     const std::lock_guard guard(lock_);
     keeps_ = wanted;
-    if (!wanted) newest_.reset();
+    if (!wanted) newest_.swap(last);
+  }
+  // One to be filled, with whatever it had.
+  [[nodiscard]] std::unique_ptr<Snapshot> blank() {
+    const std::lock_guard guard(spares_->lock);
+    if (spares_->list.empty()) return std::make_unique<Snapshot>();
+    std::unique_ptr<Snapshot> spare = std::move(spares_->list.back());
+    spares_->list.pop_back();
+    return spare;
   }
   // Of the thread that steps.
   [[nodiscard]] bool keeps() const noexcept { return keeps_; }
-  void put(std::shared_ptr<const Snapshot> snapshot) {
+  void put(std::unique_ptr<Snapshot> filled) {
+    // Whoever lets go last gives it back, which the lock of the spares tells the thread that fills it next.
+    std::shared_ptr<const Snapshot> snapshot(filled.release(), [spares = spares_](const Snapshot* used) {
+      std::unique_ptr<Snapshot> own(const_cast<Snapshot*>(used));
+      const std::lock_guard guard(spares->lock);
+      if (spares->list.size() < Spares::most) spares->list.push_back(std::move(own));
+    });
     const std::lock_guard guard(lock_);
     newest_.swap(snapshot);  // the one before ends after the lock
   }
@@ -33,6 +49,13 @@ class SnapshotShelf {
   }
 
  private:
+  struct Spares {
+    static constexpr std::size_t most = 2;
+    std::mutex lock;
+    std::vector<std::unique_ptr<Snapshot>> list;
+    Spares() { list.reserve(most); }  // so that a snapshot ends without an exception
+  };
+  std::shared_ptr<Spares> spares_ = std::make_shared<Spares>();
   mutable std::mutex lock_;
   bool keeps_ = false;
   std::shared_ptr<const Snapshot> newest_;

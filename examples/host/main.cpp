@@ -163,7 +163,15 @@ void run() {
   simulation.restore(before_cut);
   std::printf("springs_after_undoing %zu\n", simulation.live_spring_count());
 
-  // ---- files and clones (save_to, restore_from, clone): here ----
+  // A copy goes ahead in another thread; the simulation itself goes on later from a file, to the same bits.
+  simulation.save_to("block.state");
+  springnet::Simulation copy = simulation.clone();
+  std::thread ahead([&copy] { copy.advance_to(copy.time() + 0.1); });
+  ahead.join();
+  simulation.restore_from("block.state");
+  simulation.advance_to(simulation.time() + 0.1);
+  std::printf("greatest_difference_of_copy_m %.9g\n",
+              (copy.positions() - simulation.positions()).cwiseAbs().maxCoeff());
 
   // ---- changes while it runs (set_parameter, remove_nodes, extend, …): here ----
 }
