@@ -79,9 +79,11 @@ void Prescribed::take_over(const Prescribed& before, const layers::NumbersBefore
     const std::uint32_t motion = motion_of(now_, k);
     return motion != none && motion >= scene.trajectories.size();
   };
-  // The network has the places that nodes have now.
+  // The network has the places that nodes have now; other starts belong to what has changed since.
   numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) {
-    if (motion_of(now_, k) != none && !is_new(k)) now_.start[k] = scene.start[old];
+    if (motion_of(now_, k) == none || is_new(k) || now_.start[k] == scene.start[old]) return;
+    change();
+    now_.start[k] = scene.start[old];
   });
   if (!before.of_scene_) return;
   change();

@@ -421,6 +421,7 @@ void Layout::archive_changes(Archive& archive) {
       for (const Column<double>& column : laws_.groups[group].columns) changed.values.push_back(column[row]);
     }
     rows.resize(archive.count(rows.size(), sizeof(std::uint32_t), "changed springs or elements"));
+    if (rows.size() > count) Archive::refuse("more springs or elements were changed than there are");
     for (ChangedRow& row : rows) {
       archive.below(row.number, count, of_element ? "an element" : "a spring");
       const std::uint32_t first = group_at_first(row.number, of_element);
@@ -455,6 +456,7 @@ void Layout::archive_changes(Archive& archive) {
   for (std::uint32_t k = 0; k < node_count() && original_; ++k)
     if (neuron_kind_[k] != original_->neuron_kind[k]) neurons.push_back({k, laws_.neurons[neuron_kind_[k]].parameters});
   neurons.resize(archive.count(neurons.size(), sizeof(std::uint32_t), "changed neurons"));
+  if (neurons.size() > node_count()) Archive::refuse("more neurons were changed than there are");
   for (Neuron& neuron : neurons) {
     archive.below(neuron.node, node_count(), "a node");
     const std::uint32_t first = original_ ? original_->neuron_kind[neuron.node] : neuron_kind_[neuron.node];

@@ -147,6 +147,11 @@ void Model::archive_masses(Archive& archive) {
 
 void Model::archive(Archive& archive) {
   archive_masses(archive);
+  // Of a network that was extended they are those from before.
+  for (double* each : {&scales.length, &scales.velocity, &scales.force}) {
+    archive.number(*each);
+    if (!(*each > 0.0 && std::isfinite(*each))) Archive::refuse("a scale is not above 0");
+  }
   loads.archive(archive);
   layout.signals().archive(archive);
   contact.archive(archive);

@@ -205,6 +205,32 @@ TEST_CASE("many small extensions give the forces of the whole network") {
   CHECK(force_difference(simulation, simulate(built, single_sweep(), 1e-4)) < 1e-11);
 }
 
+TEST_CASE("an extended simulation is saved and restored in one of the same network") {
+  for (const LawUse& integrator : {recurrent(newton, 0.0), LawUse{"verlet", {{"substeps", 10}}}}) {
+    CAPTURE(integrator.id);
+    Simulation own = in_order(eventful(), integrator, 0.01);
+    own.advance_to(0.1);
+    own.set_rest_lengths({4}, {0.8});
+    std::shared_ptr<const Network> whole;
+    own.extend([&](Network& now) {
+      Dice dice(2);
+      add_some(dice, now, now.add_material(damped(80.0, 1.0)));
+      whole = std::make_shared<const Network>(now);
+    });
+    own.step();
+    own.set_rest_lengths({static_cast<SpringIndex>(own.spring_count() - 1)}, {1.2});
+    own.step();
+    const std::string saved = own.save();
+    Simulation other = in_order(*whole, integrator, 0.01);
+    other.restore(saved);
+    for (int i = 0; i < 10; ++i) {
+      CHECK(distance(own, other) == 0.0);
+      own.step();
+      other.step();
+    }
+  }
+}
+
 TEST_CASE("what is no addition is refused, and leaves the simulation as it was") {
   const Network net = eventful();
   Simulation own = in_order(net, single_sweep(), 0.002), plain = in_order(net, single_sweep(), 0.002);

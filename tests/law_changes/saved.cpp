@@ -52,3 +52,27 @@ TEST_CASE("changes are saved, and taken back by an earlier state") {
       }
     }
 }
+
+TEST_CASE("tables that were prepared anew are so after restoring") {
+  Network net;
+  const TableValues curve{{"elongations", {-0.1, 0.0, 0.1}}, {"forces", {-1.0, 0.0, 1.0}}};
+  const MaterialIndex measured = net.add_material({LawUse{"table", {}, curve}, std::nullopt});
+  for (NodeIndex k = 0; k < 30; ++k) {
+    net.add_node(point({0, double(k), 0}));
+    net.add_node(point({1.3, double(k), 0}));
+    net.add_spring(2 * k, 2 * k + 1, measured, 1.0);
+  }
+  Simulation own = simulate(net, single_sweep(), 1e-3), other = simulate(net, single_sweep(), 1e-3);
+  const std::string early = own.save();
+  own.set_parameter({3, 7, 20}, ComponentKind::spring_function, "beyond", {1.0});
+  own.step();
+  other.restore(own.save());
+  CHECK(other.tension(7) == doctest::Approx(1.0).epsilon(1e-3));
+  for (int i = 0; i < 5; ++i) {
+    CHECK(distance(own, other) == 0.0);
+    own.step();
+    other.step();
+  }
+  other.restore(early);
+  CHECK(other.tension(7) == doctest::Approx(3.0).epsilon(1e-9));
+}

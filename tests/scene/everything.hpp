@@ -175,6 +175,33 @@ select = { springs = [3] }
 [[cut]]
 time = 2.0
 polygon = [[0.5, -1, 0], [0.5, 5, 0], [0.5, 5, 9]]
+
+[[change]]
+time = 1.5
+select = { springs = [1] }
+spring = { stiffness = 5.0 }
+viscosity = { exponent = 1.25 }
+rest_length = 1.0
+
+[[change]]
+time = 1.6
+select = { springs = [2] }
+rest_length_scale = 2.0
+
+[[change]]
+time = 1.7
+select = { nodes = [9] }
+neuron = { drag = 0.75 }
+mass = 3.0
+
+[[change]]
+time = 1.8
+select = { springs = [4] }
+remove = "springs"
+
+[[change]]
+time = 2.0
+integrator = { name = "verlet", substeps = 2 }
 )";
 
 // Meshes, materials and elements.
@@ -244,6 +271,22 @@ invariant = "tetrahedron"
 select = { body = "fibres" }
 direction = [1, 0, 0]
 spring = { type = "fibre_solid", youngs_modulus = 1.0, poisson_ratio = 0.3, fibre_modulus = 1.0 }
+
+[[change]]
+time = 0.25
+elements = ["filling"]
+reference_scale = 1.25
+viscosity_inputs = {}
+
+[[change]]
+time = 0.5
+elements = ["filling"]
+reference = 0.5
+
+[[change]]
+time = 0.75
+select = { body = "arm" }
+inputs = { activation = 0.5 }
 
 [[input]]
 input = "activation"

@@ -214,6 +214,19 @@ TEST_CASE("every key: what acts on the network") {
   CHECK(network.cuts()[0].springs == std::vector<springnet::SpringIndex>{3});
   CHECK(network.cuts()[1].polygon.size() == 3);
   CHECK(network.cuts()[1].polygon[2] == Vector3(0.5, 5, 9));
+
+  REQUIRE(network.changes().size() == 5);
+  CHECK(network.changes()[0].time == 1.5);
+  CHECK(network.changes()[0].springs == std::vector<springnet::SpringIndex>{1});
+  CHECK(network.changes()[0].spring.at("stiffness") == 5.0);
+  CHECK(network.changes()[0].viscosity.at("exponent") == 1.25);
+  CHECK(network.changes()[0].reference == 1.0);
+  CHECK(network.changes()[1].reference_scale == 2.0);
+  CHECK(network.changes()[2].nodes == std::vector<springnet::NodeIndex>{9});
+  CHECK(network.changes()[2].neuron.at("drag") == 0.75);
+  CHECK(network.changes()[2].mass == 3.0);
+  CHECK(network.changes()[3].remove);
+  CHECK(network.changes()[4].integrator.value().id == "verlet");
 }
 
 TEST_CASE("every key: rigid connections") {

@@ -62,10 +62,11 @@ TEST_CASE("the scenes of every key use every key, and nothing else but parameter
   for (const char* scene : {everything, everything_of_meshes}) collect(toml::parse(std::string_view(scene)), "", used);
   for (const std::string& key : listed()) CHECK_MESSAGE(used.count(key) == 1, key, " is in no scene that is read");
   const std::set<std::string> known = listed();
-  const std::set<std::string> components{"simulation.integrator", "body.neuron",    "body.spring",
-                                         "body.viscosity",        "connect.spring", "connect.viscosity",
-                                         "node.neuron",           "spring.spring",  "spring.viscosity",
-                                         "body.material.law",     "element.spring", "element.viscosity"};
+  const std::set<std::string> components{
+      "simulation.integrator", "body.neuron",       "body.spring",   "body.viscosity",   "connect.spring",
+      "connect.viscosity",     "node.neuron",       "spring.spring", "spring.viscosity", "body.material.law",
+      "element.spring",        "element.viscosity", "change.spring", "change.viscosity", "change.inputs",
+      "change.neuron",         "change.integrator"};
   for (const std::string& key : used) {
     const bool is_parameter = components.count(key.substr(0, key.rfind('.'))) == 1;
     CHECK_MESSAGE((known.count(key) == 1 || is_parameter), key, " is read but not listed");
