@@ -115,8 +115,8 @@ class Layout {
   // Error(input) if it refuses them.
   [[nodiscard]] std::shared_ptr<const Prepared> prepare(const Group& group, std::uint32_t row,
                                                         const ValueChange& change);
-  // What has been changed, with the values as they are now; units are then to be laid out (put_back_all).
-  void archive_changes(Archive& archive);
+  // What has been changed, with the values as they are now. Returns whether units are to be laid out (put_back_all).
+  [[nodiscard]] bool archive_changes(Archive& archive);
   // Changes and removals in the layout of the network before it was extended.
   void take_over(const Layout& before, const NumbersBefore& numbers);
   [[nodiscard]] bool has_changes() const noexcept { return original_ != nullptr; }

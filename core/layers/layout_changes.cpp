@@ -405,7 +405,7 @@ void Layout::take_up_row(const ChangedRow& changed, bool of_element) {
   }
 }
 
-void Layout::archive_changes(Archive& archive) {
+bool Layout::archive_changes(Archive& archive) {
   const auto group_at_first = [this](std::uint32_t number, bool of_element) {
     if (!original_) return of_element ? laws_.element_group[number] : laws_.group[number];
     return of_element ? original_->element_group[number] : original_->group[number];
@@ -467,8 +467,8 @@ void Layout::archive_changes(Archive& archive) {
       if (!check_value(*component.parameters[k], neuron.parameters[k]).empty())
         Archive::refuse("a parameter of a neuron is out of its bounds");
   }
-  if (!archive.reads()) return;
-  if (!original_ && springs.empty() && elements.empty() && neurons.empty()) return;
+  if (!archive.reads()) return false;
+  if (!original_ && springs.empty() && elements.empty() && neurons.empty()) return false;
 
   take_back_changes();
   for (const ChangedRow& row : springs) take_up_row(row, false);
@@ -481,6 +481,7 @@ void Layout::archive_changes(Archive& archive) {
   elements_due_ = true;
   found_ = Shared<Found>();
   ++value_revision_;
+  return true;
 }
 
 }  // namespace springnet::layers

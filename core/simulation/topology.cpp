@@ -274,7 +274,7 @@ void Topology::archive(Archive& archive) {
       layout.elements().count(), [&](std::uint32_t e) { return layout.elements().alive(e); }, "elements");
   const auto faces = removed(
       layout.loaded_faces().count(), [&](std::uint32_t f) { return layout.loaded_faces().alive(f); }, "loaded faces");
-  layout.archive_changes(archive);
+  changes = layout.archive_changes(archive) || changes;
   archive.same(cuts_.size(), "cuts");
   for (ScheduledCut& each : cuts_) archive.flag(each.done);
   std::vector<std::uint32_t> torn(torn_loads_.begin(), torn_loads_.end());

@@ -68,13 +68,12 @@ struct Watchers {
   bool are_called = false;  // a callback is running
   SnapshotShelf shelf;
 
-  // What the program asked for of the simulation before it was extended; its snapshot stays until the next one.
+  // What the program asked for of the simulation before it was extended.
   void take_over(Watchers& before) {
     on_event = std::move(before.on_event);
     on_step = std::move(before.on_step);
     told = before.told;
     shelf.keep(before.shelf.keeps());
-    shelf.put(before.shelf.take());
   }
   // Tells the events that are new. One whose callback throws counts as told; those after it are told next time.
   void tell_events(const std::vector<Event>& events);
