@@ -72,9 +72,10 @@ void Simulation::Impl::archive(Archive& archive) {
   const std::int64_t nodes = engine.model().node_count();
   if ((last.node != 0 && last.node >= nodes) || last.start_node < -1 || last.start_node >= nodes)
     Archive::refuse("a node does not exist");
-  // Where the next step ends.
+  // Where the next step ends; at once, up to rounding, where the last one ended with an exception after its commit.
   const double next = grid_start + static_cast<double>(grid_steps + 1) * options.time_step;
-  if (!(next > engine.model().time) || next > engine.model().time + 2.0 * options.time_step)
+  const double ahead = next - engine.model().time;
+  if (!(ahead >= -1e-6 * options.time_step && ahead <= 2.0 * options.time_step))
     Archive::refuse("its next step ends at another time");
 }
 

