@@ -18,7 +18,7 @@ SimulationOptions without_profiler(SimulationOptions options) {
 
 }  // namespace
 
-thread_local std::unique_ptr<Simulation::Impl> Simulation::Impl::made;
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Simulation::Impl::Impl(Impl& other, std::string_view state)
     : network(other.network),
@@ -47,8 +47,7 @@ Simulation::Impl::Impl(Impl& other, std::string_view state)
 Simulation Simulation::clone() {
   Impl& impl = impl_->between_steps();
   const std::string state = impl.state();
-  Impl::made = std::make_unique<Impl>(impl, state);
-  return Simulation(impl.network, impl.plugins, impl.options);
+  return Simulation(std::make_unique<Impl>(impl, state));
 }
 
 }  // namespace springnet

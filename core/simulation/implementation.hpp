@@ -43,8 +43,6 @@ struct Simulation::Impl {
   }
   // A copy that is to go on by itself: see clone.cpp. state: of `other`.
   Impl(Impl& other, std::string_view state);
-  // What the next constructor of a Simulation in this thread is to have; see clone().
-  static thread_local std::unique_ptr<Impl> made;
   // Goes on from `before` with a network to which something was added.
   Impl(std::shared_ptr<const Network> extended, const Impl& before);
   ~Impl() { destroy_integrator(); }

@@ -308,9 +308,7 @@ Simulation::Simulation(const Network& network, std::shared_ptr<const PluginHost>
     : Simulation(std::make_shared<const Network>(network), std::move(plugins), options) {}
 
 Simulation::Simulation(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
-                       const SimulationOptions& options)
-    : impl_(std::move(Impl::made)) {
-  if (impl_) return;
+                       const SimulationOptions& options) {
   if (!network) throw Error(ErrorKind::input, "a simulation needs a network");
   if (!plugins) throw Error(ErrorKind::input, "a simulation needs a plugin host");
   if (!(options.time_step > 0.0) || !std::isfinite(options.time_step))
