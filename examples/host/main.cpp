@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -173,7 +174,28 @@ void run() {
   std::printf("greatest_difference_of_copy_m %.9g\n",
               (copy.positions() - simulation.positions()).cwiseAbs().maxCoeff());
 
-  // ---- changes while it runs (set_parameter, remove_nodes, extend, …): here ----
+  // Changes while it runs: before the cut again, the material becomes twice as stiff, a node heavier, and a weight is
+  // hung on a thread below the picked node.
+  simulation.restore(before_cut);
+  simulation.set_force(middle, Vector3::Zero());
+  std::vector<springnet::SpringIndex> springs(simulation.spring_count());
+  std::iota(springs.begin(), springs.end(), springnet::SpringIndex{0});
+  simulation.set_parameter(springs, springnet::ComponentKind::spring_function, "stiffness", {200.0});  // N/m
+  simulation.set_masses({0}, {5.0 * mass});
+  simulation.extend([&](springnet::Network& now) {
+    const auto thread = now.add_material({.spring = springnet::LawUse{"linear", {{"stiffness", 500.0}}},
+                                          .viscosity = springnet::LawUse{"linear", {{"damping", 0.5}}}});
+    springnet::Node weight = now.nodes()[middle];
+    weight.position.z() -= 0.02;
+    weight.mass = 2.0 * mass;
+    now.add_spring(middle, now.add_node(weight), thread);
+  });
+  simulation.set_integrator({"generalized_alpha", {}});
+  simulation.advance_to(simulation.time() + 1.5);
+  std::printf("weight_changed_N %.9g\nholding_force_changed_N %.9g\n", (nodes + 4 + 2) * mass * gravity,
+              holding_force(simulation));
+  std::printf("tension_of_thread_N %.9g\n",
+              simulation.tension(static_cast<springnet::SpringIndex>(simulation.spring_count() - 1)));
 }
 
 }  // namespace
