@@ -1,5 +1,6 @@
 // Simulation::extend(): what is there goes on, what is added joins in; against networks that are built anew.
 
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -7,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <springnet/error.hpp>
+#include <springnet/mesh.hpp>
 
 #include "mixed_net.hpp"
 
@@ -259,4 +261,71 @@ TEST_CASE("what is no addition is refused, and leaves the simulation as it was")
     own.step();
     plain.step();
   }
+}
+
+TEST_CASE("a body of a mesh is added, with its faces, and touches what is there") {
+  Mesh mesh;  // two hexahedra above the cube
+  for (int z = 0; z < 2; ++z)
+    for (int y = 0; y < 2; ++y)
+      for (int x = 0; x < 3; ++x) mesh.points.emplace_back(x, y, 5.0 + z);
+  for (std::uint32_t x = 0; x < 2; ++x) {
+    const std::uint32_t corners[] = {x, x + 1, x + 4, x + 3, x + 6, x + 7, x + 10, x + 9};
+    mesh.add_cell(CellType::hexahedron, corners);
+  }
+  const auto add = [&](Network& net) {
+    const auto first = static_cast<NodeIndex>(net.nodes().size());
+    const MaterialIndex material =
+        net.add_material({LawUse{"linear", {{"stiffness", 80.0}}}, LawUse{"linear", {{"damping", 0.3}}}});
+    net.begin_body("organ");
+    for (const Vector3& place : mesh.points) net.add_node(point(place, 0.5));
+    for (const auto& [a, b] : edges_of(mesh, {.face_diagonals = true, .space_diagonals = true}))
+      net.add_spring(first + a, first + b, material);
+    for (const Face& face : surface_of(mesh)) net.add_face({first + face[0], first + face[1], first + face[2]});
+    net.end_body();
+    net.add_spring(63, first, material);
+  };
+  const Network base = cube(300.0, 2.0, 2.0, 1e-3);
+  for (const auto& [integrator, step] : all_integrators()) {
+    CAPTURE(integrator.id);
+    Simulation simulation = simulate(base, integrator, step);
+    for (int i = 0; i < 3; ++i) simulation.step();
+    simulation.extend(add);
+    CHECK(simulation.node_count() == base.nodes().size() + 12);
+    CHECK(simulation.present_network().bodies().back().name == "organ");
+    CHECK(simulation.cast_ray({0.3, 0.2, 9.0}, {0, 0, -1})->face >= 0);
+    // A network that has it from the start, put into the same state. The last spring is as long as it was when it was
+    // added.
+    Network whole = base;
+    add(whole);
+    const auto joint = static_cast<SpringIndex>(whole.springs().size() - 1);
+    whole.set_rest_length(joint, simulation.rest_length(joint));
+    Simulation rebuilt = simulate(whole, integrator, step);
+    for (NodeIndex k = 0; k < whole.nodes().size(); ++k) {
+      rebuilt.set_position(k, simulation.position(k));
+      rebuilt.set_velocity(k, simulation.velocity(k));
+    }
+    // Sums of forces of some hundred newtons in another order.
+    CHECK(force_difference(simulation, rebuilt) < 1e-10);
+    for (int i = 0; i < 3; ++i) simulation.step();
+    CHECK(std::isfinite(simulation.kinetic_energy()));
+  }
+}
+
+TEST_CASE("callbacks and snapshots go on after an extension") {
+  Simulation simulation = simulate(cube(300.0, 2.0, 2.0, 1e-3), recurrent(newton, 1e-8), 0.01);
+  std::size_t steps = 0, events = 0;
+  simulation.on_step([&](const StepReport&) { ++steps; });
+  simulation.on_event([&](const Event&) { ++events; });
+  simulation.keep_snapshots();
+  simulation.cut({0});
+  simulation.step();
+  simulation.extend([](Network& net) { net.add_node(point({9, 9, 9})); });
+  REQUIRE(simulation.snapshot() != nullptr);
+  CHECK(simulation.snapshot()->positions.cols() == 65);
+  CHECK(events == 1);  // the cut is not told again
+  simulation.cut({1});
+  simulation.step();
+  CHECK(events == 2);
+  CHECK(steps == 2);
+  CHECK(simulation.snapshot()->time == simulation.time());
 }
