@@ -16,7 +16,7 @@ namespace {
 
 constexpr double g = 9.81;
 
-using Change = Reference::Change;
+using ContactChange = Reference::Change;
 using Mode = Reference::Mode;
 
 }  // namespace
@@ -27,7 +27,7 @@ TEST_CASE("the reference leaves a sphere where the closed form says") {
   const Vector3 place = sphere_release();
   const double release_time = sphere_release_time();
   CHECK(release_time == doctest::Approx(2.83949).epsilon(1e-6));
-  CHECK(std::abs(reference.time_of(Change::released) - release_time) <= 1e-10);
+  CHECK(std::abs(reference.time_of(ContactChange::released) - release_time) <= 1e-10);
   const double later = 2.9 - release_time, speed = std::sqrt(place.z());
   const Vector3 velocity(speed * place.z(), 0, -speed * place.x());
   const Vector3 truth = place + later * velocity - Vector3(0, 0, 0.5 * later * later);
@@ -52,7 +52,7 @@ TEST_CASE("the reference finds how a puck on an incline turns and comes to rest"
   const double phi = std::atan2(v.y(), v.x());
   CHECK(v.norm() * std::sin(phi) / std::pow(std::tan(0.5 * phi), k) == doctest::Approx(speed).epsilon(1e-11));
   reference.advance_to(2.0 * rest_time);
-  CHECK(std::abs(reference.time_of(Change::stuck) - rest_time) <= 1e-11);
+  CHECK(std::abs(reference.time_of(ContactChange::stuck) - rest_time) <= 1e-11);
   CHECK(reference.mode(0) == Mode::sticking);
 }
 
@@ -60,14 +60,14 @@ TEST_CASE("the reference slips where a ramp of force reaches the cone, and stick
   // F = r t along the plane: slips at mu N / r, then x = r (t - t1)^3 / (6 m).
   Reference reference(on_ramp());
   reference.advance_to(ramp_slip_time + 0.5);
-  CHECK(std::abs(reference.time_of(Change::slipped) - ramp_slip_time) <= 1e-13);
+  CHECK(std::abs(reference.time_of(ContactChange::slipped) - ramp_slip_time) <= 1e-13);
   CHECK(std::abs(reference.position(0).x() - ramp_rate / ramp_mass * 0.125 / 6.0) <= 1e-12);
 }
 
 TEST_CASE("the reference sticks on a shaken plane at the closed form's time") {
   Reference reference(on_shaken_plane());
   reference.advance_to(shaken_until);
-  CHECK(std::abs(reference.time_of(Change::stuck) - shaken_stick_time()) <= 1e-11);
+  CHECK(std::abs(reference.time_of(ContactChange::stuck) - shaken_stick_time()) <= 1e-11);
 }
 
 TEST_CASE("the reference's impulses and reactions make up its momentum") {

@@ -15,7 +15,7 @@ using namespace springnet::testing;
 namespace {
 
 constexpr double forever = std::numeric_limits<double>::infinity();
-using Change = Loads::Change;
+using LoadChange = Loads::Change;
 
 // Nodes far apart, in an order that the engine changes.
 Network points(std::uint32_t count) {
@@ -49,22 +49,22 @@ TEST_CASE("a load has the share of a step that lies in its window") {
   net.add_load(window(force, 1.0, 2.0, {2}));
   Loaded loaded(net);
   Loads& loads = loaded.loads;
-  CHECK(loads.set_interval(0.0, 0.5) == Change::none);
+  CHECK(loads.set_interval(0.0, 0.5) == LoadChange::none);
   CHECK(loaded.on(2) == Vector3::Zero());
-  CHECK(loads.set_interval(0.75, 1.25) == Change::switched);
+  CHECK(loads.set_interval(0.75, 1.25) == LoadChange::switched);
   CHECK(loaded.on(2) == Vector3(0.5 * force));
   CHECK(loaded.on(0) == Vector3::Zero());
-  CHECK(loads.set_interval(1.25, 1.5) == Change::switched);
+  CHECK(loads.set_interval(1.25, 1.5) == LoadChange::switched);
   CHECK(loaded.on(2) == force);
-  CHECK(loads.set_interval(1.5, 1.75) == Change::none);
-  CHECK(loads.set_interval(0.0, 4.0) == Change::switched);  // all of it within one step
+  CHECK(loads.set_interval(1.5, 1.75) == LoadChange::none);
+  CHECK(loads.set_interval(0.0, 4.0) == LoadChange::switched);  // all of it within one step
   CHECK(loaded.on(2) == Vector3(0.25 * force));
-  CHECK(loads.set_interval(2.0, 3.0) == Change::switched);
+  CHECK(loads.set_interval(2.0, 3.0) == LoadChange::switched);
   CHECK(loaded.on(2) == Vector3::Zero());
   // By the rounding of times steps end a little beside the window.
-  CHECK(loads.set_interval(1.0 - 1e-13, 2.0 + 1e-13) == Change::switched);
+  CHECK(loads.set_interval(1.0 - 1e-13, 2.0 + 1e-13) == LoadChange::switched);
   CHECK(loaded.on(2) == force);
-  CHECK(loads.set_interval(2.0 - 1e-13, 3.0) == Change::switched);
+  CHECK(loads.set_interval(2.0 - 1e-13, 3.0) == LoadChange::switched);
   CHECK(loaded.on(2) == Vector3::Zero());
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("averages of courses are their integrals, from the beginning of the wi
     }
     // A load whose factor alone changes is varied, not switched.
     loaded.loads.set_interval(1.1, 1.2);
-    CHECK(loaded.loads.set_interval(1.2, 1.3) == Change::varied);
+    CHECK(loaded.loads.set_interval(1.2, 1.3) == LoadChange::varied);
   };
   check(ramp, of_ramp);
   check(sinusoid, of_sinusoid);
