@@ -26,8 +26,7 @@ constexpr const char* run_examples =
   springnet run cube/cube.toml --integrator cvode --set simulation.integrator.method=\"adams\"
   springnet run cube/cube.toml --set output.interval=0.5 --set output.vtk=true
   springnet run cube/cube.toml --profile         shows which stages and laws take the time
-  springnet run cube/cube.toml --checkpoint 0.5           and after it was killed:
-  springnet run cube/cube.toml --resume
+  springnet run cube/cube.toml --checkpoint 0.5  can be resumed once it was killed, with --resume
   springnet run cube/cube.toml --realtime=4      keeps pace with four times real time, and counts late time steps
 
 Exit status:

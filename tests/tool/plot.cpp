@@ -241,7 +241,8 @@ TEST_CASE("plugin show --at prints what a law answers") {
     CAPTURE(answer.err);
     REQUIRE(answer.status == 0);
     std::map<std::string, std::vector<double>> result;
-    for (const auto& column : answer.json()[0]["columns"])
+    const auto laws = answer.json();
+    for (const auto& column : laws[0]["columns"])
       result[column["name"].get<std::string>()] = column["values"].get<std::vector<double>>();
     return result;
   };
