@@ -42,7 +42,8 @@ Evaluator::Evaluator(const Layout& layout, const std::vector<double>& mass, Inst
       threads_(useful_threads(threads, layout.spring_count() + springs_in_an_element * layout.elements().count(),
                               layout.units().size())) {
   const ElementLayout& elements = layout.elements();
-  for (std::vector<double>& component : corner_force_) component.resize(max_corners * elements.batched().size());
+  for (std::vector<double>& component : corner_force_)
+    component.resize(max_corners * elements.count());  // removed ones may be put back
   enclosure_force_.resize(elements.enclosures().size());
   for (std::uint32_t s = 0; s < elements.enclosures().size(); ++s) {
     const auto size = static_cast<std::uint32_t>(elements.enclosures()[s].shape.size());

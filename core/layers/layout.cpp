@@ -111,6 +111,7 @@ void Layout::lay_out(unsigned threads) {
             if (unit == u) of_unit.push_back(spring);
           });
         builder.build(units_[u], of_unit);
+        units_[u].all = units_[u].laid_out;
       } catch (...) {  // an exception that leaves the region would end the process
 #pragma omp critical(springnet_lay_out)
         failure = std::current_exception();
@@ -321,6 +322,12 @@ void Layout::put_back_all() {
   elements_.put_back_all();
   loaded_faces_.put_back_all();
   note_removal();
+}
+
+bool Layout::is_as_removed_at_once() const noexcept {
+  return std::all_of(units_.begin(), units_.end(), [](const Unit& unit) {
+    return unit.laid_out == (2 * unit.live < unit.all ? unit.live : unit.all);
+  });
 }
 
 void Layout::note_removal() {

@@ -92,6 +92,8 @@ class Layout {
   std::vector<std::size_t> remove_faces(const std::vector<std::size_t>& faces);
   // All that were removed are there again, as at the start.
   void put_back_all();
+  // Whether springs lie as if all that have been removed had been removed at once.
+  [[nodiscard]] bool is_as_removed_at_once() const noexcept;
 
   // Changes of the values that laws and neurons read (layout_changes.cpp); settle_changes() must follow, and whoever
   // keeps something that depends on them must be told.

@@ -54,6 +54,7 @@ struct Unit {
   std::uint32_t window = 0;  // places of the window for springs by their ends, a power of 2; 0: there are none
   std::size_t live = 0;      // slots with a spring; when it was laid out:
   std::size_t laid_out = 0;
+  std::size_t all = 0;       // springs that it had at first
   std::uint32_t forces = 0;  // most places for forces of chunks that a tile needs
   // Shared by copies, of which a cut changes a few.
   SharedVector<Tile> tiles;

@@ -79,10 +79,11 @@ void Simulation::Impl::archive(Archive& archive) {
     Archive::refuse("its next step ends at another time");
 }
 
-// Changed springs lie where they were; in a simulation that takes up the state they are laid out anew, and sums have
-// another order.
+// Changed springs lie where they were, and units with few springs left may have been laid out on the way; in a
+// simulation that takes up the state they are laid out anew, and sums have another order.
 void Simulation::Impl::lay_out_changes() {
-  if (!engine.model().layout.has_changes()) return;
+  const layers::Layout& layout = engine.model().layout;
+  if (!layout.has_changes() && layout.is_as_removed_at_once()) return;
   std::string own;
   Archive out(&own);
   archive(out);
@@ -207,6 +208,7 @@ std::string Simulation::Impl::state() {
   // As in the simulation that takes up the bytes.
   lay_out_changes();
   settle_history(memory);
+  engine.model().stale.reactions = true;  // those found before a motion was told may be others
   std::string bytes;
   Archive archive(&bytes);
   this->archive(archive);

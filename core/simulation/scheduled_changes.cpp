@@ -65,6 +65,10 @@ ScheduledChanges::ScheduledChanges(Engine& engine, const std::vector<Change>& ch
     }
     changes_.push_back({changes[i]});
   }
+  // Several may be due at once.
+  for (std::size_t i = 0; i < changes_.size(); ++i) by_time_.push_back(i);
+  std::stable_sort(by_time_.begin(), by_time_.end(),
+                   [this](std::size_t a, std::size_t b) { return changes_[a].change.time < changes_[b].change.time; });
 }
 
 void ScheduledChanges::check(const Change& change) const {
@@ -102,7 +106,8 @@ void ScheduledChanges::perform_due() {
   // As for cuts: rounding of times.
   const Model& model = engine_.model();
   const double slack = 1e-9 * std::min(model.time_step, model.time);
-  for (Scheduled& scheduled : changes_) {
+  for (const std::size_t i : by_time_) {
+    Scheduled& scheduled = changes_[i];
     if (scheduled.done || scheduled.change.time > model.time + slack) continue;
     scheduled.done = true;
     perform(scheduled.change);

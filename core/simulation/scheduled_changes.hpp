@@ -45,6 +45,7 @@ class ScheduledChanges {
 
   Engine& engine_;
   std::vector<Scheduled> changes_;
+  std::vector<std::size_t> by_time_;  // places in changes_
 };
 
 }  // namespace springnet

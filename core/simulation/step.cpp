@@ -132,6 +132,7 @@ springnet_status Engine::commit(double time, State& state) {
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   model_.begin_internal_steps();
   model_.state.swap(state);
+  topology_.keep_states_of_removed(state);
   const double from = model_.time;
   model_.time = time;
   contact_events_.committed();

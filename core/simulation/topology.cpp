@@ -274,7 +274,7 @@ void Topology::archive(Archive& archive) {
       layout.elements().count(), [&](std::uint32_t e) { return layout.elements().alive(e); }, "elements");
   const auto faces = removed(
       layout.loaded_faces().count(), [&](std::uint32_t f) { return layout.loaded_faces().alive(f); }, "loaded faces");
-  changes = layout.archive_changes(archive) || changes;
+  changes = layout.archive_changes(archive) || changes || !layout.is_as_removed_at_once();
   archive.same(cuts_.size(), "cuts");
   for (ScheduledCut& each : cuts_) archive.flag(each.done);
   std::vector<std::uint32_t> torn(torn_loads_.begin(), torn_loads_.end());
@@ -294,6 +294,27 @@ void Topology::archive(Archive& archive) {
   model_.loads.faces_changed();
   rupturing_.reset();
   linear_.topology_changed();
+}
+
+void Topology::keep_states_of_removed(const State& before) {
+  const layers::Layout& layout = model_.layout;
+  const layers::InternalLayout& internal = layout.internal();
+  if (!internal.any()) return;
+  if (states_revision_ != layout.revision()) {
+    states_revision_ = layout.revision();
+    removed_states_.clear();
+    const auto add = [&](std::uint32_t group, std::uint32_t place) {
+      const layers::InternalLayout::OfGroup& own = internal.group(group);
+      for (std::size_t j = 0; j < layout.laws().groups[group].state_count(); ++j)
+        removed_states_.push_back(own.first + j * own.count + place);
+    };
+    for (std::uint32_t s = 0; s < layout.spring_count(); ++s)
+      if (!layout.alive(s) && internal.has(layout.laws().group[s])) add(layout.laws().group[s], internal.of_spring(s));
+    const layers::ElementLayout& elements = layout.elements();
+    for (std::uint32_t e = 0; e < elements.count(); ++e)
+      if (!elements.alive(e) && internal.has(elements.group(e))) add(elements.group(e), internal.of_element(e));
+  }
+  for (const std::uint64_t place : removed_states_) model_.state.view.internal[place] = before.view.internal[place];
 }
 
 double Topology::next_cut(double time) const noexcept {

@@ -47,6 +47,8 @@ class Topology {
   void perform_due_cuts();
   // Removes what has no margin left at the committed state.
   springnet_status perform_due_ruptures();
+  // Internal states of what has been removed stay as they were before a commit.
+  void keep_states_of_removed(const State& before);
   // The same of the network before it was extended.
   void take_over(const Topology& before);
   // What has been removed, and the cuts that were made.
@@ -78,6 +80,8 @@ class Topology {
   std::vector<std::uint32_t> broken_;   // found last; kept for its memory
   std::set<std::uint32_t> torn_loads_;  // that have lost faces
   std::size_t torn_faces_ = 0;
+  std::vector<std::uint64_t> removed_states_;  // places of internal states, of the layout's revision
+  std::uint64_t states_revision_ = 0;
 };
 
 }  // namespace springnet

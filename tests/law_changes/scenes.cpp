@@ -195,3 +195,20 @@ TEST_CASE("a change that a network cannot have is refused where it is added, and
   net.add_change(change);
   CHECK_THROWS_AS(simulate(net, single_sweep(), 0.01), Error);
 }
+
+TEST_CASE("changes within one step are made in the order of their times, whatever their order in the network") {
+  for (const auto& [integrator, step] : all_integrators()) {
+    CAPTURE(integrator.id);
+    Network net = cube(300.0, 2.0, 0.0, 1.0);
+    for (const auto& [time, stiffness] : {std::pair(0.8 * step, 500.0), std::pair(0.2 * step, 900.0)}) {
+      Change change;
+      change.time = time;
+      change.springs = {3};
+      change.spring = {{"stiffness", stiffness}};
+      net.add_change(change);
+    }
+    Simulation simulation = simulate(net, integrator, step);
+    simulation.step();
+    CHECK(simulation.parameter(3, ComponentKind::spring_function, "stiffness") == 500.0);
+  }
+}

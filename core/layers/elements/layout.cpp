@@ -120,7 +120,8 @@ void ElementLayout::row_changed(std::uint32_t element) {
   reference_.own()[place] = reference(element);
   const auto behind = std::upper_bound(batches_.begin(), batches_.end(), place,
                                        [](std::uint32_t at, const ElementBatch& batch) { return at < batch.begin; });
-  ElementBatch& batch = batches_.own()[static_cast<std::size_t>(behind - batches_.begin()) - 1];
+  const auto number = static_cast<std::size_t>(behind - batches_.begin()) - 1;  // before own() moves them
+  ElementBatch& batch = batches_.own()[number];
   batch.one_row = std::all_of(row_.begin() + batch.begin, row_.begin() + batch.begin + batch.count,
                               [&](std::uint32_t other) { return other == row_[batch.begin]; });
 }
