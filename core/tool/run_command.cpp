@@ -53,8 +53,8 @@ std::string run_footer() {
   view.html        a page that plays the run, unless output.view = false
   summary.json     outcome and statistics of the run
   profile.json     time of each stage, with --profile
-  checkpoint       with --checkpoint, while the run has not reached its end
   trace.json       their course for ui.perfetto.dev or chrome://tracing, with --trace
+  checkpoint       with --checkpoint, while the run has not reached its end
 With output.format = "binary" these are .bin files, which 'springnet convert' converts to text: {}.
 
 )",
@@ -264,8 +264,8 @@ void add_run(CLI::App& app, Action& action) {
       ->check(number_between(above_zero, finite));
   command->add_flag(
       "--resume", arguments->resume,
-      "Go on from the checkpoint in the output folder, after a run that was stopped, killed or ran out of "
-      "room: the files become those of an undisturbed run with the same --checkpoint");
+      "Go on from the last checkpoint in the output folder, after a run that was stopped, killed or ran out of "
+      "room: all files but summary.json become those of an undisturbed run with the same --checkpoint");
   command->add_flag("--profile", arguments->profile,
                     "Measure where the time goes: print the share of each stage, law and output, and write all of them "
                     "to profile.json");
