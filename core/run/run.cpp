@@ -321,7 +321,9 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
     options.loading({fmt::format("setting up {} nodes and {} springs", grouped(scene.network.nodes().size()),
                                  grouped(scene.network.springs().size())),
                      std::numeric_limits<double>::quiet_NaN()});
-  Simulation simulation(scene.network, plugins, simulated);
+  // Without a copy: the scene stays as it is.
+  Simulation simulation(std::shared_ptr<const Network>(std::shared_ptr<const void>(), &scene.network), plugins,
+                        simulated);
   RunSummary summary = describe(scene, simulation, *plugins, options.scene_name);
   const OutputFolder::Pointer folder = OutputFolder::make(options.folder);
   folder->lock();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
@@ -65,14 +66,15 @@ void check_footprint(const Add& add) {
     MESSAGE("this system does not tell how much memory a process takes");
     return;
   }
-  Network net;
+  const auto shared = std::make_shared<Network>();  // given by reference, the simulation would keep a copy
+  Network& net = *shared;
   net.set_gravity({0, 0, -1});
   add(net, net.add_material(testing::damped(10.0, 0.1)));
   SimulationOptions options;
   options.integrator = {"recurrent", {{"update", 0.0}, {"sweeps", 1.0}}};
   options.time_step = 1e-3;
   options.threads = 2;
-  Simulation simulation(net, testing::plugins(), options);
+  Simulation simulation(std::shared_ptr<const Network>(shared), testing::plugins(), options);
   for (int step = 0; step < 3; ++step) simulation.step();
   const double stepping = status("VmRSS").value() - *before, peak = status("VmHWM").value() - *before;
   const auto springs = static_cast<double>(net.springs().size()), nodes = static_cast<double>(net.nodes().size());
