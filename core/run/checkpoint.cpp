@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <springnet/printable.hpp>
 #include <springnet/version.hpp>
@@ -17,6 +16,7 @@
 #include "run/outputs.hpp"
 #include "run/record_times.hpp"
 #include "text/archive.hpp"
+#include "text/digest.hpp"
 #include "vtk/vtk_series.hpp"
 
 namespace springnet {
@@ -24,11 +24,6 @@ namespace springnet {
 namespace {
 
 constexpr std::string_view heading = "springnet checkpoint 1\n";
-
-std::uint32_t sum_of(std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<z_size_t>(bytes.size())));
-}
 
 [[noreturn]] void refuse(const OutputFolder& folder, const std::string& what) {
   throw Error(ErrorKind::input, fmt::format("{}: {}", (folder.path() / checkpoint_file).string(), what));
@@ -79,7 +74,7 @@ void write_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& id
   std::string head(heading);
   Archive around(&head);
   std::uint64_t size = bytes.size();
-  std::uint32_t sum = sum_of(bytes);
+  std::uint32_t sum = checksum(bytes);
   around.number(size);
   around.number(sum);
   WholeFile file({folder, checkpoint_file});
@@ -108,7 +103,7 @@ std::string read_checkpoint(const OutputFolder::Pointer& folder, const RunIdenti
   around.number(size);
   around.number(sum);
   in.read(bytes, size);
-  if (bytes.size() != size || sum_of(bytes) != sum)
+  if (bytes.size() != size || checksum(bytes) != sum)
     refuse(*folder, fmt::format("is damaged: {}; run without --resume",
                                 bytes.size() != size ? fmt::format("it has {} bytes in place of {}", bytes.size(), size)
                                                      : std::string("its checksum is another one")));

@@ -1,12 +1,9 @@
 #include <springnet/scene_writer.hpp>
 
-#include <cstdio>
-#include <fstream>
-#include <system_error>
-
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
+#include <springnet/output_folder.hpp>
 #include <springnet/printable.hpp>
 
 #include "scene/writing.hpp"
@@ -94,26 +91,12 @@ std::string to_scene(const Scene& scene, const PluginHost& plugins) {
 
 void write_scene(const Scene& scene, const PluginHost& plugins, const std::filesystem::path& file) {
   const std::string text = to_scene(scene, plugins);
-  const auto fail = [&](const std::string& why) {
-    throw Error(ErrorKind::input, fmt::format("the scene '{}' cannot be written: {}", printable(file.string()), why));
-  };
-  std::filesystem::path beside = file;
-  beside += ".part";
-  std::error_code error;
-  {
-    std::ofstream out(beside, std::ios::binary | std::ios::trunc);
-    out << text;
-    out.close();
-    if (!out) {
-      std::filesystem::remove(beside, error);
-      fail("the folder does not exist, cannot be written to, or the disk is full");
-    }
+  try {
+    write_whole(OutputFile(file), text);
+  } catch (const Error& error) {
+    throw Error(ErrorKind::input,
+                fmt::format("the scene '{}' cannot be written: {}", printable(file.string()), error.what()));
   }
-  std::filesystem::rename(beside, file, error);
-  if (!error) return;
-  const std::string why = error.message();
-  std::filesystem::remove(beside, error);
-  fail(why);
 }
 
 }  // namespace springnet
