@@ -11,54 +11,12 @@
 #include <springnet/mesh.hpp>
 
 #include "mixed_net.hpp"
+#include "saved_states.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
 
 namespace {
-
-// A block that slides on a plane under a ball that moves, with laws with memory, an input, a load, a moved node, a
-// rigid connection and a cut.
-Network eventful() {
-  Network net = cube(300.0, 2.0, 2.0, 1e-3);
-  Plane ramp{"ramp", {0, 0, -0.02}, Vector3(0.3, 0, 1).normalized()};
-  ramp.friction = {Friction::Kind::coulomb, 0.2};
-  net.add_plane(ramp);
-  Instrument ball{"ball", {1.5, 1.5, 3.6}, {1.5, 1.5, 3.6}, 0.5};
-  Motion down;
-  down.times = {0.0, 0.5};
-  down.displacements = {{0, 0, 0}, {0, 0.2, -0.4}};
-  ball.motion = down;
-  net.add_instrument(ball);
-  const auto add = [&net](const Vector3& from, const LawUse& law) {
-    const NodeIndex a = net.add_node(point(from)), b = net.add_node(point(from + Vector3(1, 0, 0), 1.0, {0.8, 0, 0}));
-    return net.add_spring(a, b, net.add_material({law, LawUse{"linear", {{"damping", 0.5}}}}));
-  };
-  add({6, 0, 2}, {"maxwell", {{"stiffness", 50.0}, {"relaxation_time", 0.1}}});
-  const SpringIndex muscle = add({6, 0, 4}, {"muscle", {{"strength", 20.0}, {"maximum_speed", 3.0}}});
-  Input activation;
-  activation.name = "drive";
-  activation.input = "activation";
-  activation.springs = {muscle};
-  activation.signal.mean = 0.4;
-  activation.signal.amplitude = 0.3;
-  activation.signal.frequency = 1.5;
-  net.add_input(activation);
-  Load wind;
-  wind.nodes = {60, 61};
-  wind.force = {1.0, 0.5, 0};
-  wind.from = 0.07;
-  wind.until = 0.33;
-  net.add_load(wind);
-  const NodeIndex held = net.add_node(point({8, 8, 8})), hanging = net.add_node(point({8, 8, 7}));
-  net.add_rigid(held, hanging);
-  Move move;
-  move.nodes = {held};
-  move.motion = down;
-  net.add_move(move);
-  net.add_cut({0.29, {3, 17, 40, 90}, {}});
-  return net;
-}
 
 Simulation in_order(const Network& net, const LawUse& integrator, double step) {
   SimulationOptions options;
