@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,18 +36,31 @@ std::string summary_of(const LawFormula& law) {
   return text;
 }
 
-std::string list_text(const SourceList& list) {
+// In one line where it fits, else as many entries a line as it has room for.
+std::string list_text(const SourceList& list, const std::string& to_do) {
   const std::string start = fmt::format("  static constexpr {} {}[] = {{", list.type, list.name);
-  // As many a line as it has room for.
-  std::string text = start;
-  std::size_t column = start.size();
+  const std::string in_one = fmt::format("{}{}}};\n", start, fmt::join(list.entries, ", "));
+  if (to_do.empty() && in_one.size() <= line_length + 1) return in_one;
+  std::string text = start + to_do, line;
   for (const std::string& entry : list.entries) {
-    const bool is_first = &entry == &list.entries.front(), fits = column + entry.size() + 2 <= line_length;
-    if (!is_first) text += fits ? " " : "\n" + std::string(start.size(), ' ');
-    column = (is_first || fits ? column : start.size()) + entry.size() + 2;
-    text += entry + (&entry == &list.entries.back() ? "" : ",");
+    const std::string next = entry + (&entry == &list.entries.back() ? "};" : ",");
+    const bool fits = !line.empty() && line.size() + 1 + next.size() <= line_length;
+    if (!fits) text += line + "\n";
+    line = (fits ? line + " " : std::string(6, ' ')) + next;
   }
-  return text + "};\n";
+  return text + line + "\n";
+}
+
+// enum { stiffness, limit, z = 0 }: states and inputs count from 0, as parameters do.
+std::string enums_text(const std::vector<std::vector<std::string>>& enums) {
+  std::string all, each;
+  for (const std::vector<std::string>& names : enums) {
+    all += all.empty() ? names.front() : fmt::format(", {} = 0", names.front());
+    for (std::size_t k = 1; k < names.size(); ++k) all += ", " + names[k];
+    each += fmt::format("  enum {{ {} }};\n", fmt::join(names, ", "));
+  }
+  const std::string one = fmt::format("  enum {{ {} }};\n", all);
+  return enums.size() > 1 && one.size() <= line_length + 1 ? one : each;
 }
 
 // Constants of one type that follow each other are one declaration: static constexpr bool a = true, b = true;
@@ -76,7 +90,7 @@ std::string function_text(const SourceFunction& function) {
   return text + "\n  }\n";
 }
 
-// What the parameters still lack.
+// What the parameters still lack, behind the bracket that opens their list.
 std::string to_do(const LawFormula& law, const FormulaSource& source) {
   bool units = true, meanings = true;
   for (const std::string& name : source.parameters)
@@ -86,8 +100,19 @@ std::string to_do(const LawFormula& law, const FormulaSource& source) {
       meanings = meanings && !each.summary.empty();
     }
   if (units && meanings) return {};
-  return fmt::format("  // TODO: {}meanings and bounds, as number(\"mass\", \"kg\", \"of the bob\").above(0).\n",
+  return fmt::format("  // TODO: {}meanings, bounds: number(\"m\", \"kg\", \"of a bob\").above(0)",
                      units ? "" : "units, ");
+}
+
+// A law is seen at a glance: empty lines are there as far as twenty lines have room for them, the first one longest.
+std::string with_room(std::string text) {
+  constexpr std::ptrdiff_t most_lines = 20;
+  for (std::ptrdiff_t more = std::count(text.begin(), text.end(), '\n') - most_lines; more > 0; --more) {
+    const std::size_t empty = text.rfind("\n\n");
+    if (empty == std::string::npos) break;
+    text.erase(empty, 1);
+  }
+  return text;
 }
 
 }  // namespace
@@ -115,22 +140,21 @@ std::string law_source(const PluginProject& project, const std::string& type) {
       "#include <springnet/sdk/law.hpp>\n{}\nnamespace {{\nusing namespace springnet::sdk;\n\nstruct {} : {} {{\n",
       source.uses_tables ? "#include <springnet/sdk/table.hpp>\n" : "", type,
       project.kind == ComponentKind::spring_function ? "SpringFunction" : "ViscosityFunction");
-  for (const std::vector<std::string>& names : source.enums)
-    text += fmt::format("  enum {{ {} }};\n", fmt::join(names, ", "));
+  text += enums_text(source.enums);
   const std::string start = "  static constexpr const char ", id = fmt::format("*id = \"{}\",", project.name);
   const std::string summary = fmt::format("*summary = \"{}\";\n", summary_of(law));
   const bool fits = start.size() + id.size() + summary.size() <= line_length;
   text += start + id + (fits ? " " : "\n" + std::string(start.size(), ' ')) + summary;
   text += declarations_text(source.declarations);
-  text += to_do(law, source);
-  for (const SourceList& list : source.lists) text += list_text(list);
+  for (const SourceList& list : source.lists)
+    text += list_text(list, list.name == "parameters" ? to_do(law, source) : std::string());
   if (!source.prepare.empty()) text += "  " + source.prepare + "\n";
   text += "\n";
   for (const SourceFunction& function : source.functions) text += function_text(function);
-  return text + fmt::format(
-                    "}};\n}}  // namespace\nSPRINGNET_PLUGIN(\"org.example.{}\", \"0.1.0\", \"your name\", "
-                    "\"MIT\", {});\n",
-                    project.name, type);
+  text += fmt::format(
+      "}};\n}}  // namespace\nSPRINGNET_PLUGIN(\"org.example.{}\", \"0.1.0\", \"your name\", \"MIT\", {});\n",
+      project.name, type);
+  return with_room(std::move(text));
 }
 
 }  // namespace springnet::tool
