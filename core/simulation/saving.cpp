@@ -38,7 +38,8 @@ void Engine::archive(Archive& archive) {
   if (archive.reads()) left_behind_ = {left.begin(), left.end()};
 }
 
-// The integrator, if it is another one than at the start.
+// The integrator, if it is another one than at the start. It is exchanged before anything else is taken up, which an
+// exchange would change.
 void Simulation::Impl::archive_integrator(Archive& archive) {
   bool other = !(options.integrator == first_integrator);
   archive.flag(other);
@@ -53,7 +54,9 @@ void Simulation::Impl::archive_integrator(Archive& archive) {
     }
     use.parameters = {values.begin(), values.end()};
   }
-  if (archive.reads()) restored = other ? use : first_integrator;
+  if (!archive.reads()) return;
+  const LawUse& wanted = other ? use : first_integrator;
+  if (!(wanted == options.integrator)) exchange(wanted);
 }
 
 void Simulation::Impl::archive(Archive& archive) {
@@ -182,12 +185,10 @@ void Simulation::Impl::take_up(std::string_view bytes) {
     std::string memory;
     archive.text(memory);
     if (archive.left() > 0) Archive::refuse("it is too long");
-    if (!(*restored == options.integrator)) exchange(*restored);
     settle_history(memory);
   } catch (...) {
     Archive back{std::string_view(before)};
     archive(back);
-    if (!(*restored == options.integrator)) exchange(*restored);
     drop_history();
     throw;
   }

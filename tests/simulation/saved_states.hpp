@@ -113,9 +113,8 @@ inline std::string difference(const Simulation& a, const Simulation& b) {
         x.surface != y.surface || !same_bits(x.impulse, y.impulse))
       return "event";
   }
-  // An integrator that has been created since may note once more what it finds.
-  for (const std::string& note : a.notes())
-    if (std::find(b.notes().begin(), b.notes().end(), note) == b.notes().end()) return "notes";
+  if (a.notes() != b.notes()) return "notes";
+  if (a.statistics() != b.statistics()) return "statistics";
   if (!same_bits(a.dissipated_energy(), b.dissipated_energy())) return "dissipated energy";
   return {};
 }
