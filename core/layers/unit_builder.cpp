@@ -84,6 +84,7 @@ void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   unit.sums.clear();
   unit.live_mask.clear();
   unit.values.clear();
+  unit.internal.clear();  // of another layout; whoever builds places the states anew
 
   // Springs by tile; those of a tile by what makes a set.
   const auto tile_of = [&](const UnitSpring& s) { return (s.own - unit.first_node) / tile_nodes; };
