@@ -18,7 +18,8 @@ SimulationOptions without_profiler(SimulationOptions options) {
 
 }  // namespace
 
-Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Simulation::Simulation(std::unique_ptr<Impl> impl)
+    : impl_(std::move(impl)), others_(std::make_unique<const OtherThreads>(*impl_)) {}
 
 Simulation::Impl::Impl(Impl& other, std::string_view state)
     : network(other.network),

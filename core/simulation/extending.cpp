@@ -114,6 +114,7 @@ void Simulation::extend(const std::function<void(Network&)>& add) {
   check_spacing(*next, {before.springs().size(), before.elements().size(), before.rigids().size()});
   auto extended = std::make_unique<Impl>(std::move(next), impl);
   extended->watchers.take_over(impl.watchers);
+  extended->engine.model().deadline.share(impl.engine.model().deadline.flag());
   impl_ = std::move(extended);
   impl_->changed();
 }

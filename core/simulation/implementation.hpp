@@ -205,8 +205,7 @@ struct Simulation::Impl {
   mutable Engine engine;  // evaluates forces on demand
   springnet_host host;
   void* integrator = nullptr;
-  LawUse first_integrator;         // of the options given
-  std::optional<LawUse> restored;  // the integrator of a state that was read
+  LawUse first_integrator;  // of the options given
   StepReport last;
   std::uint64_t steps = 0, sweeps = 0;
   bool in_step = false;           // a call of the integrator
@@ -221,6 +220,13 @@ struct Simulation::Impl {
   std::uint64_t state_version = 1;  // increases whenever the state may change
   mutable KeptNumbers kept_reactions, kept_tensions, kept_energies;
   mutable TornFaces torn_faces;
+};
+
+// What other threads may use at any time, also while extend() puts another Impl in the place of this one.
+struct Simulation::OtherThreads {
+  explicit OtherThreads(const Impl& impl) : shelf(impl.watchers.shelf), asked(impl.engine.model().deadline.flag()) {}
+  std::shared_ptr<const SnapshotShelf> shelf;
+  std::shared_ptr<Deadline::Flag> asked;
 };
 
 }  // namespace springnet

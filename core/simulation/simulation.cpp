@@ -321,6 +321,7 @@ Simulation::Simulation(std::shared_ptr<const Network> network, std::shared_ptr<c
     throw Error(ErrorKind::input, "the network has no nodes; add a body or single nodes before simulating it");
   check_spacing(*network);
   impl_ = std::make_unique<Impl>(std::move(network), std::move(plugins), options);
+  others_ = std::make_unique<const OtherThreads>(*impl_);
 }
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -388,6 +389,6 @@ void Simulation::set_integrator_memory(std::string_view memory) {
   impl_->between_steps().set_integrator_memory(memory);
 }
 std::optional<Simulation::Between> Simulation::between(double time) { return impl_->outside_of_steps().between(time); }
-void Simulation::ask_to_stop() noexcept { impl_->engine.model().deadline.ask_to_stop(); }
+void Simulation::ask_to_stop() noexcept { Deadline::ask(*others_->asked); }
 
 }  // namespace springnet

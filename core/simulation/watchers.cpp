@@ -37,9 +37,9 @@ void Watchers::tell_step(const StepReport& report) {
 }
 
 void Simulation::Impl::publish() {
-  if (!watchers.shelf.keeps()) return;
+  if (!watchers.shelf->keeps()) return;
   const Model& model = engine.model();
-  std::unique_ptr<Snapshot> snapshot = watchers.shelf.blank();
+  std::unique_ptr<Snapshot> snapshot = watchers.shelf->blank();
   snapshot->time = model.time;
   snapshot->steps = steps;
   snapshot->live_springs = model.layout.live_count();
@@ -54,7 +54,7 @@ void Simulation::Impl::publish() {
     snapshot->positions.col(to) << p.x[from], p.y[from], p.z[from];
     snapshot->velocities.col(to) << v.x[from], v.y[from], v.z[from];
   }
-  watchers.shelf.put(std::move(snapshot));
+  watchers.shelf->put(std::move(snapshot));
 }
 
 void Simulation::Impl::changed() {
@@ -78,9 +78,9 @@ void Simulation::on_step(std::function<void(const StepReport&)> callback) {
 }
 void Simulation::keep_snapshots(bool keep) {
   Impl& impl = impl_->between_steps();
-  impl.watchers.shelf.keep(keep);
+  impl.watchers.shelf->keep(keep);
   impl.publish();
 }
-std::shared_ptr<const Snapshot> Simulation::snapshot() const { return impl_->watchers.shelf.take(); }
+std::shared_ptr<const Snapshot> Simulation::snapshot() const { return others_->shelf->take(); }
 
 }  // namespace springnet

@@ -66,14 +66,14 @@ struct Watchers {
   std::function<void(const StepReport&)> on_step;
   std::size_t told = 0;     // events that on_event was told, or that happened before there was one
   bool are_called = false;  // a callback is running
-  SnapshotShelf shelf;
+  std::shared_ptr<SnapshotShelf> shelf = std::make_shared<SnapshotShelf>();
 
   // What the program asked for of the simulation before it was extended.
   void take_over(Watchers& before) {
     on_event = std::move(before.on_event);
     on_step = std::move(before.on_step);
     told = before.told;
-    shelf.keep(before.shelf.keeps());
+    shelf = before.shelf;
   }
   // Tells the events that are new. One whose callback throws counts as told; those after it are told next time.
   void tell_events(const std::vector<Event>& events);

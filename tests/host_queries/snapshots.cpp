@@ -83,3 +83,44 @@ TEST_CASE("a thread that draws sees whole states while the next step is made") {
   CHECK(backwards == 0);
   CHECK(seen > 0);
 }
+
+TEST_CASE("other threads draw and ask to stop while a simulation is extended") {
+  Simulation simulation = simulate(cube(3.0, 2.0, 0.2, 0.02), recurrent(newton, 1e-10), 0.05);
+  simulation.keep_snapshots();
+  const std::size_t nodes = simulation.node_count();
+  constexpr int additions = 20;
+  std::atomic<bool> done = false;
+  std::size_t missing = 0, backwards = 0;
+  std::thread draws([&] {
+    std::size_t last = nodes;
+    while (!done) {
+      const std::shared_ptr<const Snapshot> snapshot = simulation.snapshot();
+      simulation.ask_to_stop();
+      if (!snapshot) {
+        ++missing;
+        continue;
+      }
+      const auto count = static_cast<std::size_t>(snapshot->positions.cols());
+      if (count < last || count > nodes + additions) ++backwards;
+      last = count;
+    }
+  });
+  for (int i = 0; i < additions; ++i) {
+    simulation.extend([&](Network& now) {
+      const NodeIndex added = now.add_node(point(now.nodes()[63].position + Vector3(0, 0, 1.0 + i)));
+      now.add_spring(63, added, 0);
+    });
+    simulation.step();
+  }
+  done = true;
+  draws.join();
+  CHECK(missing == 0);
+  CHECK(backwards == 0);
+  CHECK(static_cast<std::size_t>(simulation.snapshot()->positions.cols()) == nodes + additions);
+  simulation.step();
+  simulation.ask_to_stop();
+  simulation.step();
+  CHECK(simulation.last_report().outcome == Outcome::out_of_time);
+  simulation.step();
+  CHECK(simulation.last_report().outcome == Outcome::settled);
+}

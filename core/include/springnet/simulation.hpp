@@ -403,8 +403,7 @@ class SPRINGNET_API Simulation {
   // they are now, in which rest lengths and references are those of the present state unless given, and may call all of
   // its functions that add something. Numbers go on from those before; what is there stays as it is, states of laws,
   // contacts and motions included. Surfaces are numbered planes first: where a plane is added, instruments
-  // move up by one. Sets the engine up anew, which takes as long as a new simulation; the integrator begins anew, and
-  // so do the numbers that it counts. Not while another thread uses this object, snapshot() and ask_to_stop() included.
+  // move up by one. Sets the engine up anew, which takes as long as a new simulation; the integrator begins anew.
   // Throws as Simulation(), what `add` throws, and Error(input) if it changes what is there; the simulation then stays
   // as it was.
   void extend(const std::function<void(Network&)>& add);
@@ -459,7 +458,9 @@ class SPRINGNET_API Simulation {
  private:
   struct SPRINGNET_LOCAL Impl;
   SPRINGNET_LOCAL explicit Simulation(std::unique_ptr<Impl> impl);
+  struct SPRINGNET_LOCAL OtherThreads;
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<const OtherThreads> others_;
 };
 
 }  // namespace springnet

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "layers/linear/team.hpp"
 
@@ -21,9 +23,13 @@ class Deadline {
   }
   void clear() noexcept { is_set_ = false; }
   // From any thread, or a signal handler: as if the time were over.
-  void ask_to_stop() noexcept { asked_.store(true, std::memory_order_relaxed); }
-  void forget_asking() noexcept { asked_.store(false, std::memory_order_relaxed); }
-  [[nodiscard]] bool is_asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
+  using Flag = std::atomic<bool>;
+  static void ask(Flag& flag) noexcept { flag.store(true, std::memory_order_relaxed); }
+  // For ask(), by whoever outlives this object.
+  [[nodiscard]] const std::shared_ptr<Flag>& flag() const noexcept { return asked_; }
+  void share(std::shared_ptr<Flag> flag) noexcept { asked_ = std::move(flag); }
+  void forget_asking() noexcept { asked_->store(false, std::memory_order_relaxed); }
+  [[nodiscard]] bool is_asked() const noexcept { return asked_->load(std::memory_order_relaxed); }
   [[nodiscard]] bool is_set() const noexcept { return is_set_ || is_asked(); }
   // s; below 0 after it, infinity if there is none.
   [[nodiscard]] double left() const {
@@ -37,8 +43,8 @@ class Deadline {
   using Clock = std::chrono::steady_clock;
   static constexpr double longest = 1e8;  // s; the clock's range ends somewhere beyond
   bool is_set_ = false;
-  std::atomic<bool> asked_{false};
-  static_assert(std::atomic<bool>::is_always_lock_free);
+  std::shared_ptr<Flag> asked_ = std::make_shared<Flag>(false);
+  static_assert(Flag::is_always_lock_free);
   Clock::time_point end_{};
 };
 
