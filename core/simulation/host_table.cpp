@@ -220,7 +220,11 @@ springnet_status report(void* context, const springnet_number_report* request) {
   return guarded(context, "report", [&](Engine& engine) -> springnet_status {
     const springnet_number_report& number = SPRINGNET_REQUEST(springnet_number_report, request, value);
     require_array(number.name, "name");
-    engine.model().journal.report(number.name, number.value);
+    require_kind(number.adds, 1);
+    if (number.adds != 0)
+      engine.model().journal.count(number.name, number.value);
+    else
+      engine.model().journal.report(number.name, number.value);
     return SPRINGNET_OK;
   });
 }
@@ -255,7 +259,8 @@ springnet_status note(void* context, const springnet_user_note* request) {
   return guarded(context, "note", [&](Engine& engine) -> springnet_status {
     const springnet_user_note& given = SPRINGNET_REQUEST(springnet_user_note, request, text);
     require_array(given.text, "text");
-    engine.model().journal.note(given.text);
+    const char* const topic = SPRINGNET_HAS_FIELD(springnet_user_note, &given, topic) ? given.topic : nullptr;
+    engine.model().journal.note(given.text, topic == nullptr ? "" : topic);
     return SPRINGNET_OK;
   });
 }

@@ -16,6 +16,7 @@ void Journal::take_over(const Journal& before, const layers::NumbersBefore& numb
   events_ = before.events_;
   for (Event& event : events_) event.surface = numbers.surface(event.surface);
   notes_ = before.notes_;
+  topics_ = before.topics_;
   numbers_ = before.numbers_;
 }
 
@@ -33,8 +34,10 @@ void Journal::archive(Archive& archive) {
     archive.number(each.value);
     archive.number(each.force);
   }
-  notes_.resize(archive.count(notes_.size(), sizeof(std::uint64_t), "notes"));
-  for (std::string& each : notes_) archive.text(each);
+  for (std::vector<std::string>* texts : {&notes_, &topics_}) {
+    texts->resize(archive.count(texts->size(), sizeof(std::uint64_t), "notes"));
+    for (std::string& each : *texts) archive.text(each);
+  }
   std::vector<std::pair<std::string, double>> numbers(numbers_.begin(), numbers_.end());
   numbers.resize(archive.count(numbers.size(), sizeof(std::uint64_t) + sizeof(double), "numbers"));
   for (auto& [name, value] : numbers) {
@@ -44,11 +47,15 @@ void Journal::archive(Archive& archive) {
   if (archive.reads()) numbers_ = {numbers.begin(), numbers.end()};
 }
 
-void Journal::note(const std::string& text) {
+void Journal::note(const std::string& text, const std::string& topic) {
   const std::lock_guard guard(lock_);
-  const std::string shown = printable(text, max_note_length);
-  if (notes_.size() < max_notes && std::find(notes_.begin(), notes_.end(), shown) == notes_.end())
-    notes_.push_back(shown);
+  const auto has = [](const std::vector<std::string>& texts, const std::string& each) {
+    return std::find(texts.begin(), texts.end(), each) != texts.end();
+  };
+  const std::string shown = printable(text, max_note_length), of = printable(topic, max_note_length);
+  if (notes_.size() >= max_notes || has(notes_, shown) || has(topics_, of)) return;
+  notes_.push_back(shown);
+  if (!of.empty()) topics_.push_back(of);
 }
 
 void Journal::set_number(const std::string& name, double value) {
@@ -60,11 +67,12 @@ void Journal::report(const std::string& name, double value) {
   set_number(printable(name), value);
 }
 
-double Journal::count(const std::string& name) {
+double Journal::count(const std::string& name, double more) {
   const std::lock_guard guard(lock_);
-  const auto known = numbers_.find(name);
-  const double sum = known == numbers_.end() ? 1.0 : known->second + 1.0;
-  set_number(name, sum);
+  const std::string shown = printable(name);
+  const auto known = numbers_.find(shown);
+  const double sum = known == numbers_.end() ? more : known->second + more;
+  set_number(shown, sum);
   return sum;
 }
 

@@ -29,12 +29,12 @@ class Journal {
   // Events, notes and numbers.
   void archive(Archive& archive);
   void record(const Event& event) { events_.push_back(event); }
-  // Notes are kept once each. Beyond a few hundred, notes and numbers are dropped: an integrator that reports something
-  // new in every step must not fill the memory.
-  void note(const std::string& text);
+  // Notes are kept once each, and the first one on a topic (empty: none). Beyond a few hundred, notes and numbers are
+  // dropped: an integrator that reports something new in every step must not fill the memory.
+  void note(const std::string& text, const std::string& topic = {});
   void report(const std::string& name, double value);
-  // Adds 1 to a number and returns it.
-  double count(const std::string& name);
+  // Adds to a number and returns it.
+  double count(const std::string& name, double more = 1.0);
 
   [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
@@ -45,7 +45,7 @@ class Journal {
 
   std::mutex lock_;
   std::vector<Event> events_;
-  std::vector<std::string> notes_;
+  std::vector<std::string> notes_, topics_;
   std::map<std::string, double> numbers_;
 };
 

@@ -181,9 +181,12 @@ struct FakeHost {
       return of(c).note("project_state", r, r->time == 6.5);
     };
     table.report = [](void* c, const springnet_number_report* r) {
-      return of(c).note(std::string(r->name) + " " + std::to_string(static_cast<int>(r->value)), r);
+      const char* const more = r->adds != 0 ? "more " : "";
+      return of(c).note(std::string(more) + r->name + " " + std::to_string(static_cast<int>(r->value)), r);
     };
-    table.note = [](void* c, const springnet_user_note* r) { return of(c).note(r->text, r); };
+    table.note = [](void* c, const springnet_user_note* r) {
+      return of(c).note(r->topic == nullptr ? r->text : std::string(r->topic) + ": " + r->text, r);
+    };
     table.deadline = [](void*, springnet_deadline* r) -> springnet_status {
       r->time_left = 30.0;
       return SPRINGNET_OK;
@@ -369,6 +372,8 @@ TEST_CASE("an integrator reaches every function of the host") {
     h.commit(6.0, *state);
     h.report("sweeps", 9.0);
     h.note("slowly");
+    h.count("iterations", 4.0);
+    h.note("limit 0.1 s", "limit");
     report.outcome = SPRINGNET_SETTLED;
     return SPRINGNET_OK;
   });
@@ -406,7 +411,9 @@ TEST_CASE("an integrator reaches every function of the host") {
                                                "project_state",
                                                "commit",
                                                "sweeps 9",
-                                               "slowly"});
+                                               "slowly",
+                                               "more iterations 4",
+                                               "limit: limit 0.1 s"});
   CHECK(host.update == SPRINGNET_OK);
 }
 

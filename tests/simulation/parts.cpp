@@ -313,6 +313,11 @@ TEST_CASE("journal: notes are kept once, count() adds up, and both are bounded")
   CHECK(journal.count("touches") == 1.0);
   CHECK(journal.count("touches") == 2.0);
   CHECK(journal.numbers().at("touches") == 2.0);
+  CHECK(journal.count("iterations", 2.5) == 2.5);
+  CHECK(journal.count("iterations", 0.5) == 3.0);
+  journal.note("limit 0.1 s", "limit");
+  journal.note("limit 0.2 s", "limit");
+  CHECK(journal.notes() == std::vector<std::string>{"once", "limit 0.1 s"});
   for (int i = 0; i < 2000; ++i) {
     journal.note(std::to_string(i));
     journal.report("number " + std::to_string(i), i);

@@ -282,10 +282,7 @@ void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
 
 // CVODE is created anew: CVodeReInit leaves estimates behind, such as the rate at which iterations converge.
 void ReferenceIntegrator::forget() {
-  if (memory_) {
-    total_ += counters();
-    ++restarts_;
-  }
+  if (memory_) total_ += counters();  // no restart of the motion, and a restored simulation would count another number
   memory_.reset();
   callbacks_.newton.reset();
   fixed_point_.reset();
@@ -459,30 +456,35 @@ Counters ReferenceIntegrator::counters() const {
 
 long ReferenceIntegrator::internal_steps() const { return total_.internal_steps + counters().internal_steps; }
 
-void ReferenceIntegrator::report_statistics() const {
+// What has come since the last report is added to what the host has, of the whole run.
+void ReferenceIntegrator::report_statistics() {
   Counters sum = total_;
   sum += counters();
   const Equations::Work& work = equations_.work();
-  const auto report = [this](const char* name, auto value) { host_.report(name, static_cast<double>(value)); };
-  report("internal_steps", sum.internal_steps);
-  report("rhs_evaluations", work.evaluations);
-  report("linear_setups", sum.linear_setups);
-  report("linearisations", work.linearisations);
-  report("jacobian_products", work.jacobian_products);
-  report("krylov_iterations", sum.krylov_iterations);
-  report("nonlinear_iterations", sum.nonlinear_iterations);
-  report("convergence_failures", sum.convergence_failures);
-  report("error_test_failures", sum.error_test_failures);
-  report("root_evaluations", work.event_evaluations);
-  if (projects_) report("projections", work.projections);
-  report("restarts", restarts_);
+  const auto count = [this](const char* name, auto total) {
+    double& before = reported_[name];
+    host_.count(name, static_cast<double>(total) - before);
+    before = static_cast<double>(total);
+  };
+  count("internal_steps", sum.internal_steps);
+  count("rhs_evaluations", work.evaluations);
+  count("linear_setups", sum.linear_setups);
+  count("linearisations", work.linearisations);
+  count("jacobian_products", work.jacobian_products);
+  count("krylov_iterations", sum.krylov_iterations);
+  count("nonlinear_iterations", sum.nonlinear_iterations);
+  count("convergence_failures", sum.convergence_failures);
+  count("error_test_failures", sum.error_test_failures);
+  count("root_evaluations", work.event_evaluations);
+  if (projects_) count("projections", work.projections);
+  count("restarts", restarts_);
   if (!memory_) return;
   double last_step = 0.0;
   int order = 0;
   CVodeGetLastStep(memory_.get(), &last_step);
   CVodeGetLastOrder(memory_.get(), &order);
-  report("last_step_s", last_step);
-  report("order", order);
+  host_.report("last_step_s", last_step);
+  host_.report("order", order);
 }
 
 }  // namespace springnet::cvode

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
@@ -60,7 +62,7 @@ class ReferenceIntegrator {
   [[noreturn]] void fail(int flag, double time) const;
   [[nodiscard]] Counters counters() const;  // since the last restart
   [[nodiscard]] long internal_steps() const;
-  void report_statistics() const;
+  void report_statistics();
 
   sdk::Host host_;
   Settings settings_;
@@ -92,6 +94,7 @@ class ReferenceIntegrator {
   double dense_from_ = std::numeric_limits<double>::infinity();  // s, where the last advance() began
   Counters total_;                                               // until the last restart
   std::uint64_t restarts_ = 0;
+  std::map<std::string_view, double> reported_;  // what the host has of this integrator's counters
 };
 
 }  // namespace springnet::cvode

@@ -51,18 +51,15 @@ void Automatic::estimate(const Workspace& workspace, const Step& step) {
     chosen_ = Update::wavefront;
     accelerates_ = false;
     std::snprintf(text.data(), text.size(), "update rule wavefront: %s", failure.what());
-    if (noted_ != chosen_) workspace.host.note(text.data());
-    noted_ = chosen_;
+    workspace.host.note(text.data(), name_of(*chosen_));
     return;
   }
   chosen_ = step.weight() <= synchronous_share * weight_ ? Update::synchronous : Update::newton;
   accelerates_ = step.weight() > plain_share * weight_;
-  // The critical time constant changes from step to step; note only a change of the rule.
-  if (noted_ == chosen_) return;
-  noted_ = chosen_;
+  // The critical time constant changes from step to step: a rule is noted when it is first chosen.
   if (std::isinf(weight_)) {
     // Masses without springs, for example: a ratio and a limit would be meaningless.
-    workspace.host.note("update rule synchronous: no stiffness and no damping limits the time step");
+    workspace.host.note("update rule synchronous: no stiffness and no damping limits the time step", name_of(*chosen_));
     return;
   }
   // Two digits, but large ratios as whole numbers: 2098, not 2.1e+03.
@@ -74,17 +71,15 @@ void Automatic::estimate(const Workspace& workspace, const Step& step) {
                 "propagation, %.2g s",
                 name_of(*chosen_), accelerates_ && chosen_ == Update::synchronous ? ", accelerated" : "", digits, ratio,
                 weight_ / step.theta);
-  workspace.host.note(text.data());
+  workspace.host.note(text.data(), name_of(*chosen_));
 }
 
 void Automatic::escalated(const Workspace& workspace, Update chosen, Update needed) {
-  workspace.host.report("escalated_steps", ++escalations_);
-  if (escalations_ == 1.0) {
-    std::array<char, 160> text{};
-    std::snprintf(text.data(), text.size(), "a step did not settle with update rule %s, but did with %s",
-                  name_of(chosen), name_of(needed));
-    workspace.host.note(text.data());
-  }
+  workspace.host.count("escalated_steps");
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "a step did not settle with update rule %s, but did with %s", name_of(chosen),
+                name_of(needed));
+  workspace.host.note(text.data(), "escalated step");
   chosen_.reset();
   kept_rule_ = needed;
   kept_ = patience_;

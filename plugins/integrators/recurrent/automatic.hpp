@@ -40,11 +40,9 @@ class Automatic {
   double weight_ = 0.0;                      // s, critical
   std::uint64_t revision_ = 0;               // of the network at the estimate
   std::uint64_t steps_ = 0;                  // since the estimate
-  std::optional<Update> noted_;              // the rule in the last note
   std::uint64_t patience_ = first_patience;  // steps for which another rule is kept after a failure
   Update kept_rule_ = Update::newton;
   std::uint64_t kept_ = 0;  // steps left of them
-  double escalations_ = 0.0;
 };
 
 }  // namespace springnet::recurrent

@@ -36,7 +36,7 @@ bool LinearSystem::solve(const std::vector<double>& b, double accuracy, std::vec
   truncated_ = false;
   try {
     const sdk::Host::Solved solved = host_.solve_system(b.data(), accuracy, x.data());
-    host_.report("krylov_iterations", krylov_iterations_ += static_cast<double>(solved.iterations));
+    host_.count("krylov_iterations", static_cast<double>(solved.iterations));
     iterations_ = solved.iterations;
     truncated_ = solved.outcome == SPRINGNET_TRUNCATED;
     if (truncated_) return solved.iterations > 0;

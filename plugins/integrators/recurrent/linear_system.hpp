@@ -37,7 +37,6 @@ class LinearSystem {
   bool truncated_ = false;
   double weight_ = 0.0, shift_ = 0.0;
   std::uint64_t iterations_ = 0;
-  double krylov_iterations_ = 0.0;  // of the run
 };
 
 }  // namespace springnet::recurrent

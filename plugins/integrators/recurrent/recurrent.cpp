@@ -24,7 +24,6 @@ springnet_status Recurrent::advance(double until, springnet_step_report& report)
   return locates_ ? advance_by_events(until, report) : advance_once(until, report);
 }
 
-// Counters of statistics, and which notes were given, stay: they tell of the run.
 void Recurrent::forget() noexcept {
   work_.forget();
   threshold_.forget();
@@ -225,7 +224,7 @@ Attempt Recurrent::raise_time_constant(Step& step, const Attempt& last) {
     next = reached * raise < full ? reached * raise : full;
   }
   step.time_constant = full;
-  work_.host.report("stages", all_stages_ += static_cast<double>(stages_));
+  work_.host.count("stages", static_cast<double>(stages_));
   return attempt;
 }
 
@@ -237,9 +236,9 @@ void Recurrent::take(const Step& step, Verdict verdict) {
   work_.host.commit(step.until, result);
   has_committed_ = true;
   if (verdict == Verdict::out_of_time)
-    work_.host.report("out_of_time_steps", ++late_);
+    work_.host.count("out_of_time_steps");
   else if (!settled(verdict))
-    work_.host.report("unsettled_steps", ++accepted_);
+    work_.host.count("unsettled_steps");
 }
 
 void Recurrent::subdivide(double until, int halvings, springnet_step_report& report) {
@@ -256,7 +255,7 @@ void Recurrent::subdivide(double until, int halvings, springnet_step_report& rep
     }
     take(step, attempt.verdict);
     report.substeps = ++substeps_;
-    work_.host.report("substeps", ++all_substeps_);
+    work_.host.count("substeps");
     return;
   }
   if (halvings == max_halvings) {

@@ -150,7 +150,6 @@ class Recurrent : public sdk::Integrator {
   double theta_;
   bool locates_;
   Crossings crossings_;
-  double all_events_ = 0.0;
   Workspace work_;
   bool accelerates_;  // by the scene
   Anderson acceleration_, no_acceleration_{0};
@@ -164,7 +163,6 @@ class Recurrent : public sdk::Integrator {
   std::optional<std::uint64_t> revision_;                     // at the workspace's last attach()
   sdk::State stage_;                                          // outputs of the last stage that settled
   std::uint64_t sweeps_ = 0, stages_ = 0, substeps_ = 0;      // in this call
-  double all_stages_ = 0.0, all_substeps_ = 0.0, accepted_ = 0.0, late_ = 0.0;
 };
 
 }  // namespace springnet::recurrent

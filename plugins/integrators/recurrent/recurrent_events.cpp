@@ -75,7 +75,7 @@ bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
       work_.host.fire_events(time, *step.outputs, crossings_.fired());
       step.evaluated = false;
       take(step, Verdict::settled);
-      work_.host.report("located_events", ++all_events_);
+      work_.host.count("located_events");
       return true;
     }
     last = narrow;

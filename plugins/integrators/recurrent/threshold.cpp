@@ -28,17 +28,15 @@ void Threshold::set(Step& step) {
   if (requested < step.rounding && !exact_sweeps_) note(requested, step);
 }
 
-void Threshold::note(double requested, const Step& step) {
+void Threshold::note(double requested, const Step& step) const {
   host_.report("force_rounding", step.rounding);
-  if (noted_) return;
-  noted_ = true;
   std::array<char, 320> text{};
   std::snprintf(text.data(), text.size(),
                 "force_tolerance, %.3g N%s, is below the rounding error of the forces, about %.2g N (stiffness times "
                 "the rounding of positions, greatest at node %u): steps settle to the rounding error instead",
                 requested, requested_ > 0.0 ? "" : " (1e-6 of the force scale)", step.rounding,
                 step.network.user_number[rounding_.node()]);
-  host_.note(text.data());
+  host_.note(text.data(), "force_tolerance below rounding");
 }
 
 bool Threshold::is_rounding(Step& step) {

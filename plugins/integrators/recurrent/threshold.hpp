@@ -31,13 +31,12 @@ class Threshold {
 
  private:
   void set(Step& step);
-  void note(double requested, const Step& step);
+  void note(double requested, const Step& step) const;
 
   sdk::Host host_;
   ForceRounding rounding_;
   double requested_;  // N
   bool exact_sweeps_;
-  bool noted_ = false;
   // The rounding changes as laws stiffen and bodies travel.
   static constexpr std::uint64_t steps_per_estimate = 256;
   std::uint64_t steps_since_estimate_ = steps_per_estimate;  // the first step estimates

@@ -61,7 +61,7 @@ void Workspace::know_start_acceleration(const Step& step) {
   springnet_evaluation evaluation = sdk::evaluation_at(step.from, step.start);
   evaluation.acceleration = start_acceleration_.view();
   host.evaluate(evaluation);
-  host.report("evaluations", ++evaluations_);
+  host.count("evaluations");  // besides the sweeps
   known_ = revisions(step);
 }
 
@@ -107,7 +107,7 @@ void Workspace::evaluate(const Step& step, const springnet_state& at) {
   evaluation.acceleration = acceleration_.view();
   if (step.constrained()) evaluation.free_acceleration = unconstrained_.view();
   host.evaluate(evaluation);
-  host.report("evaluations", ++evaluations_);
+  host.count("evaluations");  // besides the sweeps
 }
 
 void Workspace::forget_constraint_force() noexcept {

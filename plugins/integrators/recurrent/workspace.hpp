@@ -97,7 +97,6 @@ class Workspace {
   [[nodiscard]] Revisions revisions(const Step& step) const { return {step.network.revision, host.load_revision()}; }
   std::optional<Revisions> known_;
   double residual_norm_ = 0.0;
-  double evaluations_ = 0.0;  // besides the sweeps
 };
 
 }  // namespace springnet::recurrent

@@ -282,7 +282,8 @@ inline void SmallHost::fill_table() {
     return SPRINGNET_OK;
   };
   table_.report = [](void* self, const springnet_number_report* number) -> springnet_status {
-    of(self).reported[number->name] = number->value;
+    double& known = of(self).reported[number->name];
+    known = number->adds != 0 ? known + number->value : number->value;
     return SPRINGNET_OK;
   };
 }

@@ -333,10 +333,11 @@ class Host {
     request.velocity = velocity;
     check(table_->project_state(table_->context, &request));
   }
-  // A note to the user, once.
-  void note(const std::string& text) const noexcept {
+  // A note to the user; the same text is noted once. With a topic: the first note on it, as of a text with numbers.
+  void note(const std::string& text, const char* topic = nullptr) const noexcept {
     auto request = sized<springnet_user_note>();
     request.text = text.c_str();
+    request.topic = topic;
     static_cast<void>(table_->note(table_->context, &request));
   }
 
@@ -506,15 +507,19 @@ class Host {
     return request.reason;
   }
 
-  // Reports a number for the summary, under `name`.
-  void report(const char* name, double value) const noexcept {
+  // Reports a number for the summary, under `name`; the last value counts.
+  void report(const char* name, double value) const noexcept { report(name, value, false); }
+  // Adds to a number of the summary, which saved states keep.
+  void count(const char* name, double more = 1.0) const noexcept { report(name, more, true); }
+
+ private:
+  void report(const char* name, double value, bool adds) const noexcept {
     auto request = sized<springnet_number_report>();
     request.name = name;
     request.value = value;
+    request.adds = adds ? 1 : 0;
     static_cast<void>(table_->report(table_->context, &request));
   }
-
- private:
   // A function that came with ABI 2.1.
   // How many numbers a set has.
   [[nodiscard]] std::uint64_t size_of(const ParameterSet& set) const {

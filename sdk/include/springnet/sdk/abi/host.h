@@ -223,19 +223,21 @@ typedef struct springnet_commitment {
   springnet_state* state;
 } springnet_commitment;
 
-/* A number for the summary, by name; the last value counts. */
+/* A number for the summary, by name. The host keeps it, in saved states too: count there, not in the integrator, whose
+ * memory a run that is resumed begins anew. */
 typedef struct springnet_number_report {
   uint32_t struct_size;
-  uint32_t reserved;
+  uint32_t adds; /* from ABI 2.1 on; 1: adds `value` to the number; 0: the last value counts */
   const char* name;
   double value;
 } springnet_number_report;
 
-/* A note to the user, once: printed by the tool, kept in the summary. */
+/* A note to the user: printed by the tool, kept in the summary. The same text is noted once. */
 typedef struct springnet_user_note {
   uint32_t struct_size;
   uint32_t reserved;
   const char* text;
+  const char* topic; /* from ABI 2.1 on; of all notes on a topic the first one is kept; null: none */
 } springnet_user_note;
 
 /* values -= W G^T (G W G^T)^-1 G values, 3n numbers; 0 for fixed and held nodes. G: derivatives of rigid connections
