@@ -17,6 +17,7 @@ void add_all(CLI::App& app, Action& action);
 void add_new(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);
+void add_learn(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_plugin(CLI::App& app, Action& action);

@@ -255,4 +255,15 @@ std::filesystem::path OutputArguments::folder_for(const std::filesystem::path& s
   return folder.empty() ? std::filesystem::path("results") / scene.stem() : folder;
 }
 
+OutputFolder::Pointer OutputArguments::open_for(const std::filesystem::path& scene,
+                                                const std::vector<std::string>& files) const {
+  OutputFolder::Pointer result = OutputFolder::make(folder_for(scene));
+  result->lock();
+  for (const std::string& name : files) {
+    result->require_no_folder(name);
+    result->require_no_folder(part_name(name));
+  }
+  return result;
+}
+
 }  // namespace springnet::tool

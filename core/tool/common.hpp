@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <springnet/error.hpp>
 #include <springnet/events.hpp>
+#include <springnet/output_folder.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
 
@@ -74,6 +75,9 @@ struct OutputArguments {
   void add_to(CLI::App& command);
   // The folder given, else results/<name of the scene>.
   [[nodiscard]] std::filesystem::path folder_for(const std::filesystem::path& scene) const;
+  // The same, made and locked until these files are written.
+  [[nodiscard]] OutputFolder::Pointer open_for(const std::filesystem::path& scene,
+                                               const std::vector<std::string>& files) const;
   [[nodiscard]] bool silent() const noexcept { return json || quiet; }
 };
 

@@ -2,7 +2,6 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <springnet/output_folder.hpp>
 #include <springnet/validation.hpp>
 
 #include "commands.hpp"
@@ -40,25 +39,14 @@ struct ValidateArguments {
   double reference_tolerance = 1e-8;  // relative
 };
 
-constexpr const char* numbers_file = "validation.json";
+constexpr const char* validation_file = "validation.json";
 constexpr const char* report_file = "report.html";
-
-// The folder, locked until the files are written.
-OutputFolder::Pointer open_folder(const std::filesystem::path& path) {
-  OutputFolder::Pointer folder = OutputFolder::make(path);
-  folder->lock();
-  for (const std::string name : {numbers_file, report_file}) {
-    folder->require_no_folder(name);
-    folder->require_no_folder(part_name(name));
-  }
-  return folder;
-}
 
 int run(const ValidateArguments& arguments) {
   outlive_readers();
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
-  const OutputFolder::Pointer folder = open_folder(arguments.output.folder_for(arguments.scene.file));
+  const OutputFolder::Pointer folder = arguments.output.open_for(arguments.scene.file, {validation_file, report_file});
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
@@ -75,12 +63,12 @@ int run(const ValidateArguments& arguments) {
   validation.notes.insert(validation.notes.begin(), notes.begin(), notes.end());
 
   const std::string json = to_json(validation);
-  write_whole({folder, numbers_file}, json);
+  write_whole({folder, validation_file}, json);
   write_whole({folder, report_file}, to_html(validation));
   if (arguments.output.json) {
     fmt::print("{}", json);
   } else if (!arguments.output.quiet) {
-    print_report(fmt::format("{}\n  written: {}, {} in {}\n", to_table(validation), numbers_file, report_file,
+    print_report(fmt::format("{}\n  written: {}, {} in {}\n", to_table(validation), validation_file, report_file,
                              folder->path().string()));
   }
   std::fflush(stdout);

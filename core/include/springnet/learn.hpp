@@ -1,0 +1,111 @@
+// Identification: parameters of a net from what was observed of its motion, with what is known about them.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/export.hpp>
+#include <springnet/learning.hpp>
+#include <springnet/observations.hpp>
+#include <springnet/plugin_host.hpp>
+#include <springnet/simulation.hpp>
+
+namespace springnet {
+
+// Values that are learned, each by itself or together.
+struct Learnable {
+  LearnedValues values;
+  // One variable for all: they are equal, or keep their ratios if they differ at first.
+  bool together = false;
+  // Beside the bounds of the law's or neuron's metadata; masses and rest lengths stay above 0. Values that start above
+  // a lower bound of 0 or more are searched by their logarithm.
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+};
+
+// "spring.stiffness", "viscosity.damping", "element.spring.stiffness", "element.viscosity.damping", "neuron.drag",
+// "rest_length", "reference", "mass", "velocity" (of nodes that are not fixed), of all or, "mass@NAME", of a body; each
+// by itself or, "mass:together", as one. Throws Error(input) that tells what there is.
+[[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
+                                                       std::string_view text);
+
+// A net with loads and start of its own whose motion was observed. All have the same springs, elements and nodes.
+struct Experiment {
+  std::shared_ptr<const Network> network;
+  SimulationOptions options;  // time step and integrator, see MotionDerivatives
+  Observations observations;
+};
+
+struct LearnProgress {
+  int iteration = 0;
+  double cost = 0.0;         // 1/2 sum of weighted squares of residuals
+  double rms = 0.0;          // root mean square of the weighted residuals
+  Eigen::VectorXd values{};  // the best so far, as of MotionDerivatives
+};
+
+struct LearnOptions {
+  int max_iterations = 100;
+  double tolerance = 1e-10;  // relative: of the cost from iteration to iteration, of the step, of the gradient
+  // Residuals sqrt(guess_weight) (x - x0) towards the values at the start, of the logarithm where that is searched by,
+  // else relative to the value: what the data do not determine stays there. 0: none.
+  double guess_weight = 0.0;
+  // Called after each iteration; false ends the search with the best so far.
+  std::function<bool(const LearnProgress&)> on_iteration{};
+};
+
+// A value that was learned.
+struct LearnedParameter {
+  LearnedValues::Kind kind{};
+  bool of_elements = false;
+  std::string parameter;     // as of LearnedValues
+  std::uint32_t member = 0;  // spring, element or node
+  int axis = -1;             // of an initial velocity
+  std::size_t variable = 0;  // which drives it: values of one variable are learned together
+  double start = 0.0, value = 0.0;
+  // 95 % confidence interval, from the residuals that are left; infinite where the data determine nothing.
+  double lower = 0.0, upper = 0.0;
+  bool at_bound = false;
+  // Share of the variable that the data determine, 1 to 0: what is missing lies in combinations that they do not.
+  double determined = 1.0;
+  // Estimate of what half the time step would add to the value: the share of the method's error in it.
+  double by_time_step = 0.0;
+};
+
+struct LearnedNet {
+  std::vector<LearnedParameter> parameters;
+  Eigen::VectorXd values;  // of all, as of MotionDerivatives
+  double start_cost = 0.0, cost = 0.0;
+  double rms = 0.0;          // of the weighted residuals
+  std::size_t observed = 0;  // values
+  std::size_t variables = 0;
+  std::vector<double> singular_values;  // of the residuals by the variables, descending
+  std::size_t undetermined = 0;         // directions without influence
+  std::vector<LearnProgress> history;   // without values
+  std::string reason;                   // why the search ended
+  std::vector<std::string> notes;
+};
+
+// Throws Error(input) for observations, selections and nets that do not fit, and for a start whose motion fails;
+// Error(simulation) if no step can be taken from there.
+[[nodiscard]] SPRINGNET_API LearnedNet learn(const std::vector<Experiment>& experiments,
+                                             std::shared_ptr<const PluginHost> plugins,
+                                             const std::vector<Learnable>& learnables,
+                                             const LearnOptions& options = {});
+
+// The network with values that were learned.
+[[nodiscard]] SPRINGNET_API Network with_values(const std::shared_ptr<const Network>& network,
+                                                std::shared_ptr<const PluginHost> plugins,
+                                                const std::vector<Learnable>& learnables,
+                                                const Eigen::VectorXd& values);
+
+// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity"
+[[nodiscard]] SPRINGNET_API std::string_view name_of(LearnedValues::Kind kind) noexcept;
+[[nodiscard]] SPRINGNET_API std::string to_json(const LearnedNet& learned);
+
+}  // namespace springnet

@@ -1,0 +1,91 @@
+// Learning from motion: how a trajectory of the recurrent network depends on masses, parameters of laws and neurons,
+// rest lengths and the start. A step is a fixed point, so it is differentiated implicitly (Pineda, Phys. Rev. Lett. 59,
+// 1987): with h the time constant, w = theta h and c = (1 - theta) h,
+//
+//   U = v + c a(p, v) + w a(P, U),   P = p + c v + w U
+//
+// the derivatives of a step solve one linear system with A = I - w da/dv - w^2 da/dp at its end, forwards (tangent), or
+// with the transposed matrix backwards (adjoint), whatever the update rule that found P and U.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/export.hpp>
+#include <springnet/simulation.hpp>
+
+namespace springnet {
+
+// Values of one kind, one for each member (initial_velocity: three, x y z of the first node, then of the next).
+struct LearnedValues {
+  enum class Kind : std::uint8_t {
+    spring_parameter,     // of the spring functions of springs, or elements
+    viscosity_parameter,  // of their viscosity functions
+    rest_length,          // m, of springs; references of elements
+    mass,                 // kg, of nodes
+    neuron_parameter,     // of the neurons of nodes
+    initial_velocity      // m/s, of nodes
+  };
+  Kind kind = Kind::spring_parameter;
+  bool of_elements = false;            // in place of springs
+  std::string parameter;               // its name; of masses, rest lengths and velocities: empty
+  std::vector<std::uint32_t> members;  // springs, elements or nodes: the user's numbers
+};
+
+// One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
+// SimulationOptions::time_step. Nets with rigid connections, enclosed faces under pressure that follow, laws with
+// internal states, and motions with contact, ruptures, cuts or divided steps are refused with a message.
+class SPRINGNET_API MotionDerivatives {
+ public:
+  // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
+  // integrator, a net or values that cannot be differentiated.
+  MotionDerivatives(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+                    const SimulationOptions& options, double duration, std::vector<LearnedValues> learned);
+  ~MotionDerivatives();
+  MotionDerivatives(MotionDerivatives&&) noexcept;
+  MotionDerivatives& operator=(MotionDerivatives&&) noexcept;
+  MotionDerivatives(const MotionDerivatives&) = delete;
+  MotionDerivatives& operator=(const MotionDerivatives&) = delete;
+
+  // Of all LearnedValues, one after another.
+  [[nodiscard]] std::size_t value_count() const noexcept;
+  [[nodiscard]] Eigen::VectorXd values_of_network() const;
+
+  // Simulates with these values. Throws Error(input) for values that are refused (a mass of 0, …), Error(simulation) if
+  // a step fails, or has what cannot be differentiated; the trajectory before is then kept.
+  void run(const Eigen::VectorXd& values);
+
+  // Of the last run: states 0 (the start) to step_count().
+  [[nodiscard]] std::size_t step_count() const noexcept;
+  [[nodiscard]] double time(std::size_t state) const;
+  // m and m/s, [3][node] in the user's order.
+  [[nodiscard]] Eigen::Matrix3Xd positions(std::size_t state) const;
+  [[nodiscard]] Eigen::Matrix3Xd velocities(std::size_t state) const;
+
+  // Forwards: how each state changes with the values. Each column of `changes` is a change of all of them; the columns
+  // that are told have the change of the positions, and of the velocities, [3 node] as x y z of node 0, of node 1, …
+  // The linear system of a step is prepared once for all columns.
+  using StateTangents =
+      std::function<void(std::size_t state, const Eigen::MatrixXd& positions, const Eigen::MatrixXd& velocities)>;
+  void tangent(const Eigen::MatrixXd& changes, const StateTangents& told);
+
+  // Derivatives of a loss by a state, [3][node] in the user's order.
+  struct StateChange {
+    Eigen::Matrix3Xd positions, velocities;
+  };
+  // Backwards: dL/d(values) of a loss L of the states. `add` adds the derivatives of L by a state to zeros, from the
+  // last state to the first. Costs one transposed solve for each step, however many values there are.
+  [[nodiscard]] Eigen::VectorXd adjoint(const std::function<void(std::size_t state, StateChange&)>& add);
+
+ private:
+  struct SPRINGNET_LOCAL Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace springnet

@@ -1,0 +1,128 @@
+#include "learning/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet::learning {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables) {
+  std::vector<LearnedValues> result;
+  for (const Learnable& each : learnables) result.push_back(each.values);
+  return result;
+}
+
+// The whole number of steps that reaches the last observation, s.
+double duration_of(const Experiment& experiment) {
+  const std::vector<double> times = experiment.observations.times();
+  if (times.empty()) throw Error(ErrorKind::input, "learning: there are no observations");
+  const double step = experiment.options.time_step;
+  constexpr double rounding = 1e-6;  // of a step
+  return step * std::max(1.0, std::ceil(times.back() / step - rounding));
+}
+
+std::vector<double> times_of(const MotionDerivatives& motion) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k <= motion.step_count(); ++k) times.push_back(motion.time(k));
+  return times;
+}
+
+}  // namespace
+
+Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
+         const std::vector<Learnable>& learnables, double guess_weight)
+    : root_guess_weight_(std::sqrt(guess_weight)) {
+  if (experiments.empty()) throw Error(ErrorKind::input, "learning: there is no experiment");
+  if (!(guess_weight >= 0.0) || !std::isfinite(guess_weight))
+    throw Error(ErrorKind::input,
+                fmt::format("learning: the weight of the guess is {}, must be 0 or more", guess_weight));
+  for (const Experiment& each : experiments) {
+    if (!each.network) throw Error(ErrorKind::input, "learning: an experiment has no network");
+    const double duration = duration_of(each);
+    check_observations(each.observations, each.network->nodes().size(), 0.0, duration);
+    auto motion =
+        std::make_unique<MotionDerivatives>(each.network, plugins, each.options, duration, values_of(learnables));
+    const VectorXd start = motion->values_of_network();
+    if (!variables_) variables_ = std::make_unique<Variables>(*each.network, *plugins, learnables, start);
+    motion->run(variables_->values(variables_->start()));
+    ObservedMotion observed(each.observations, times_of(*motion));
+    const Eigen::Index first = rows_;
+    rows_ += observed.count();
+    observed_ += each.observations.value_count();
+    runs_.push_back({std::move(motion), std::move(observed), first});
+  }
+  // A relative change, of values that are not searched by their logarithm, too.
+  guess_scale_ = VectorXd::Ones(variables_->count());
+  const VectorXd& x = variables_->start();
+  for (Eigen::Index k = 0; k < x.size(); ++k)
+    if (!(variables_->is_logarithmic(k)) && x[k] != 0.0) guess_scale_[k] = std::abs(x[k]);
+}
+
+bool Fit::run(const VectorXd& x) {
+  if (at_.size() == x.size() && at_ == x) return true;
+  at_.resize(0);
+  try {
+    const VectorXd values = variables_->values(x);
+    for (Run& each : runs_) each.motion->run(values);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::plugin) throw;
+    failure_ = error.what();
+    return false;
+  }
+  at_ = x;
+  return true;
+}
+
+VectorXd Fit::residuals(const VectorXd& x) {
+  const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? x.size() : 0;
+  VectorXd result = VectorXd::Constant(rows_ + guess_rows, std::numeric_limits<double>::quiet_NaN());
+  if (!run(x)) return result;
+  for (Run& each : runs_) each.observed.residuals(*each.motion, result.segment(each.first, each.observed.count()));
+  if (guess_rows > 0)
+    result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(guess_scale_);
+  return result;
+}
+
+void Fit::linearise(const VectorXd& x) {
+  const VectorXd known = residuals(x);  // which keeps the directions of distances
+  if (!known.allFinite()) throw Error(ErrorKind::simulation, "learning: " + failure_);
+}
+
+MatrixXd Fit::times(const MatrixXd& changes) {
+  const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? changes.rows() : 0;
+  MatrixXd result = MatrixXd::Zero(rows_ + guess_rows, changes.cols());
+  const MatrixXd values = variables_->times(at_, changes);
+  for (const Run& each : runs_)
+    each.motion->tangent(values, [&](std::size_t state, const MatrixXd& positions, const MatrixXd& velocities) {
+      each.observed.add_tangent(state, positions, velocities, result.middleRows(each.first, each.observed.count()));
+    });
+  if (guess_rows > 0)
+    result.bottomRows(guess_rows) = root_guess_weight_ * guess_scale_.cwiseInverse().asDiagonal() * changes;
+  return result;
+}
+
+VectorXd Fit::transposed_times(const VectorXd& weights) {
+  VectorXd gradient;
+  for (const Run& each : runs_) {
+    const VectorXd own = each.motion->adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
+      each.observed.add_adjoint(state, weights.segment(each.first, each.observed.count()), add);
+    });
+    gradient = gradient.size() == 0 ? own : VectorXd(gradient + own);
+  }
+  VectorXd result = variables_->transposed_times(at_, gradient);
+  if (weights.size() > rows_)
+    result += root_guess_weight_ * weights.tail(weights.size() - rows_).cwiseQuotient(guess_scale_);
+  return result;
+}
+
+}  // namespace springnet::learning

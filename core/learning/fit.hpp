@@ -1,0 +1,57 @@
+// The least-squares problem of a search: residuals of all experiments by the variables.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/learn.hpp>
+
+#include "learning/observed_motion.hpp"
+#include "learning/variables.hpp"
+
+namespace springnet::learning {
+
+class Fit {
+ public:
+  // Throws Error(input) for observations and learnables that do not fit the networks.
+  Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
+      const std::vector<Learnable>& learnables, double guess_weight);
+
+  [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
+  // Changes of variables that count as the same: 1 of a logarithm, else the value at the start.
+  [[nodiscard]] const Eigen::VectorXd& scale() const noexcept { return guess_scale_; }
+  [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
+  // Of observations alone, before those of the guess.
+  [[nodiscard]] Eigen::Index observation_rows() const noexcept { return rows_; }
+
+  // Not a number where a motion fails; why_failed() then tells why.
+  [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
+  [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
+  // Derivatives at x, which has finite residuals.
+  void linearise(const Eigen::VectorXd& x);
+  [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& changes);
+  [[nodiscard]] Eigen::VectorXd transposed_times(const Eigen::VectorXd& weights);
+
+ private:
+  struct Run {
+    std::unique_ptr<MotionDerivatives> motion;
+    ObservedMotion observed;
+    Eigen::Index first;  // of its residuals
+  };
+  [[nodiscard]] bool run(const Eigen::VectorXd& x);
+
+  std::vector<Run> runs_;
+  std::unique_ptr<Variables> variables_;
+  double root_guess_weight_;
+  Eigen::VectorXd guess_scale_;  // of the variables
+  std::size_t observed_ = 0;
+  Eigen::Index rows_ = 0;
+  Eigen::VectorXd at_;  // of the motions; empty: one has failed
+  std::string failure_;
+};
+
+}  // namespace springnet::learning

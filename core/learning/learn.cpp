@@ -1,0 +1,170 @@
+#include <springnet/learn.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+#include "learning/certainty.hpp"
+#include "learning/fit.hpp"
+#include "learning/learned_values.hpp"
+#include "learning/minimise.hpp"
+
+namespace springnet {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Kind = LearnedValues::Kind;
+
+// Up to so many variables sensitivities are known as a whole, for intervals and what is not determined.
+constexpr Eigen::Index most_with_intervals = 2000;
+
+double rms_of(const VectorXd& residuals, std::size_t observed) {
+  return observed > 0 ? std::sqrt(residuals.squaredNorm() / static_cast<double>(observed)) : 0.0;
+}
+
+class Problem : public learning::LeastSquares {
+ public:
+  explicit Problem(learning::Fit& fit) : fit_(fit) {}
+  VectorXd residuals(const VectorXd& x) override { return fit_.residuals(x); }
+  void linearise(const VectorXd& x) override { fit_.linearise(x); }
+  VectorXd times(const VectorXd& change) override { return fit_.times(change); }
+  MatrixXd jacobian(Eigen::Index variables) override { return fit_.times(MatrixXd::Identity(variables, variables)); }
+  VectorXd transposed_times(const VectorXd& weights) override { return fit_.transposed_times(weights); }
+
+ private:
+  learning::Fit& fit_;
+};
+
+std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) {
+  for (Experiment& each : experiments) each.options.time_step *= 0.5;
+  return experiments;
+}
+
+// The parameters of the result, without what is known of them.
+std::vector<LearnedParameter> list_parameters(const std::vector<Learnable>& learnables) {
+  std::vector<LearnedParameter> result;
+  for (const Learnable& each : learnables)
+    for (const std::uint32_t member : each.values.members)
+      for (int axis = 0; axis < (each.values.kind == Kind::initial_velocity ? 3 : 1); ++axis) {
+        LearnedParameter parameter;
+        parameter.kind = each.values.kind;
+        parameter.of_elements = each.values.of_elements;
+        parameter.parameter = each.values.parameter;
+        parameter.member = member;
+        parameter.axis = each.values.kind == Kind::initial_velocity ? axis : -1;
+        result.push_back(std::move(parameter));
+      }
+  return result;
+}
+
+// How far the search would go on with the motion of half the time step, to first order; no size: that motion fails.
+VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
+                            const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
+                            const learning::Certainty& certainty, const VectorXd& scale, const VectorXd& x,
+                            const VectorXd& residuals, std::vector<std::string>& notes) {
+  try {
+    learning::Fit half(with_half_the_step(experiments), plugins, learnables, 0.0);
+    const VectorXd other = half.residuals(x);
+    if (other.allFinite()) return certainty.change_for(other - residuals).cwiseProduct(scale);
+    notes.push_back("How far half the time step would move the values is not known: " + half.why_failed());
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::plugin) throw;
+    notes.push_back(std::string("How far half the time step would move the values is not known: ") + error.what());
+  }
+  return {};
+}
+
+void describe(LearnedNet& learned, const learning::Variables& variables, const VectorXd& x,
+              const learning::Certainty* certainty, const VectorXd& scale, const VectorXd& shift) {
+  for (std::size_t k = 0; k < learned.parameters.size(); ++k) {
+    LearnedParameter& each = learned.parameters[k];
+    each.variable = variables.variable_of(k);
+    const auto j = static_cast<Eigen::Index>(each.variable);
+    each.start = variables.value_at(k, variables.start(), 0.0);
+    each.value = variables.value_at(k, x, 0.0);
+    each.at_bound = x[j] <= variables.lower()[j] || x[j] >= variables.upper()[j];
+    const double infinite = std::numeric_limits<double>::infinity();
+    const double width = certainty == nullptr ? infinite : certainty->half_width(j) * scale[j];
+    const double ends[] = {variables.value_at(k, x, -width), variables.value_at(k, x, width)};
+    each.lower = std::min(ends[0], ends[1]);
+    each.upper = std::max(ends[0], ends[1]);
+    each.determined = certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(j);
+    each.by_time_step = shift.size() == 0 ? std::numeric_limits<double>::quiet_NaN() : variables.slope(k, x) * shift[j];
+  }
+}
+
+}  // namespace
+
+LearnedNet learn(const std::vector<Experiment>& experiments, std::shared_ptr<const PluginHost> plugins,
+                 const std::vector<Learnable>& learnables, const LearnOptions& options) {
+  if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
+  learning::Fit fit(experiments, plugins, learnables, options.guess_weight);
+  const learning::Variables& variables = fit.variables();
+  Problem problem(fit);
+
+  learning::MinimiseOptions search;
+  search.max_iterations = options.max_iterations;
+  search.cost_tolerance = search.step_tolerance = search.gradient_tolerance = options.tolerance;
+  search.on_iteration = [&](const learning::Progress& now, const VectorXd& best) {
+    if (!options.on_iteration) return true;
+    LearnProgress progress{now.iteration, now.cost, 0.0, variables.values(best)};
+    progress.rms = std::sqrt(2.0 * now.cost / static_cast<double>(std::max<std::size_t>(1, fit.observed())));
+    return options.on_iteration(progress);
+  };
+  const learning::Minimum minimum =
+      learning::levenberg_marquardt(problem, variables.start(), {variables.lower(), variables.upper()}, search);
+
+  LearnedNet result;
+  result.parameters = list_parameters(learnables);
+  result.values = variables.values(minimum.x);
+  result.observed = fit.observed();
+  result.variables = static_cast<std::size_t>(variables.count());
+  result.reason = minimum.reason;
+  for (const learning::Progress& each : minimum.history)
+    result.history.push_back(
+        {each.iteration,
+         each.cost,
+         std::sqrt(2.0 * each.cost / static_cast<double>(std::max<std::size_t>(1, fit.observed()))),
+         {}});
+  result.start_cost = minimum.history.empty() ? minimum.cost : minimum.history.front().cost;
+  result.cost = minimum.cost;
+  fit.linearise(minimum.x);
+  const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
+  result.rms = rms_of(residuals, fit.observed());
+
+  const VectorXd& scale = fit.scale();
+  if (variables.count() > most_with_intervals) {
+    result.notes.push_back(
+        fmt::format("Intervals and what the data determine are known for up to {} variables; these are {}.",
+                    most_with_intervals, variables.count()));
+    describe(result, variables, minimum.x, nullptr, scale, {});
+    return result;
+  }
+  const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
+  const learning::Certainty certainty(jacobian, residuals, fit.observed());
+  result.singular_values = certainty.singular_values();
+  result.undetermined = certainty.undetermined();
+  const VectorXd shift =
+      shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals, result.notes);
+  describe(result, variables, minimum.x, &certainty, scale, shift);
+  return result;
+}
+
+Network with_values(const std::shared_ptr<const Network>& network, std::shared_ptr<const PluginHost> plugins,
+                    const std::vector<Learnable>& learnables, const VectorXd& values) {
+  std::vector<LearnedValues> all;
+  for (const Learnable& each : learnables) all.push_back(each.values);
+  const learning::LearnedSets sets(*network, std::move(all));
+  sets.check(values);
+  Simulation simulation(network, std::move(plugins), {});
+  sets.set(simulation, values);
+  return simulation.present_network();
+}
+
+}  // namespace springnet

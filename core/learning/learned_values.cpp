@@ -1,0 +1,255 @@
+#include "learning/learned_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+#include "simulation/law_setting.hpp"
+
+namespace springnet::learning {
+
+namespace {
+
+using Kind = LearnedValues::Kind;
+
+[[nodiscard]] bool is_of_nodes(Kind kind) {
+  return kind == Kind::mass || kind == Kind::neuron_parameter || kind == Kind::initial_velocity;
+}
+
+[[nodiscard]] const char* name_of_members(const LearnedValues& what) {
+  if (is_of_nodes(what.kind)) return "node";
+  return what.of_elements ? "element" : "spring";
+}
+
+[[nodiscard]] ComponentKind law_of(Kind kind) {
+  return kind == Kind::viscosity_parameter ? ComponentKind::viscosity_function : ComponentKind::spring_function;
+}
+
+[[nodiscard]] std::uint32_t host_kind(Kind kind) {
+  switch (kind) {
+    case Kind::spring_parameter:
+      return SPRINGNET_BY_SPRING_PARAMETER;
+    case Kind::viscosity_parameter:
+      return SPRINGNET_BY_VISCOSITY_PARAMETER;
+    case Kind::rest_length:
+      return SPRINGNET_BY_REFERENCE;
+    case Kind::neuron_parameter:
+      return SPRINGNET_BY_NEURON_PARAMETER;
+    default:
+      return SPRINGNET_BY_MASS;
+  }
+}
+
+}  // namespace
+
+LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> learned) {
+  if (learned.empty()) throw Error(ErrorKind::input, "learning: there is nothing to be learned");
+  for (LearnedValues& each : learned) {
+    const std::size_t most = is_of_nodes(each.kind) ? network.nodes().size()
+                             : each.of_elements     ? network.elements().size()
+                                                    : network.springs().size();
+    std::vector<std::uint8_t> listed(most, 0);
+    for (const std::uint32_t member : each.members) {
+      if (member >= most)
+        throw Error(ErrorKind::input, fmt::format("learning: {} {} does not exist: the network has {}",
+                                                  name_of_members(each), member, most));
+      if (std::exchange(listed[member], std::uint8_t{1}) != 0)
+        throw Error(ErrorKind::input, fmt::format("learning: {} {} is listed twice", name_of_members(each), member));
+      if (each.kind == Kind::initial_velocity && network.nodes()[member].fixed)
+        throw Error(ErrorKind::input, fmt::format("learning: node {} is fixed and has no velocity to learn", member));
+    }
+    Set set;
+    set.what = std::move(each);
+    set.first = count_;
+    count_ += set.size();
+    sets_.push_back(std::move(set));
+  }
+}
+
+void LearnedSets::attach(Engine& engine) {
+  const layers::Layout& layout = engine.model().layout;
+  for (Set& set : sets_) {
+    const LearnedValues& what = set.what;
+    set.places = what.members;
+    if (is_of_nodes(what.kind)) {
+      for (std::uint32_t& each : set.places) each = layout.ordering().engine[each];
+      set.values.assign(set.is_velocity() ? 0 : layout.node_count(), 0.0);
+    } else {
+      set.values.assign(what.of_elements ? layout.elements().count() : layout.spring_count(), 0.0);
+    }
+  }
+  static_cast<void>(values_of(engine));  // throws for a law without the parameter
+}
+
+Eigen::VectorXd LearnedSets::values_of(const Engine& engine) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(count_));
+  const Model& model = engine.model();
+  for (const Set& set : sets_) {
+    const LearnedValues& what = set.what;
+    auto next = static_cast<Eigen::Index>(set.first);
+    for (std::size_t i = 0; i < what.members.size(); ++i) {
+      const std::uint32_t member = what.members[i];
+      switch (what.kind) {
+        case Kind::spring_parameter:
+        case Kind::viscosity_parameter:
+          result[next++] =
+              value_of({model.layout, what.of_elements}, member, {law_of(what.kind), what.parameter, false});
+          break;
+        case Kind::rest_length:
+          result[next++] = what.of_elements ? model.layout.elements().reference(member)
+                                            : Members{model.layout, false}.value(member, 0);
+          break;
+        case Kind::mass:
+          result[next++] = model.mass[set.places[i]];
+          break;
+        case Kind::neuron_parameter:
+          result[next++] = neuron_value(model.layout, member, what.parameter);
+          break;
+        case Kind::initial_velocity:
+          for (const double* component :
+               {model.state.view.velocity.x, model.state.view.velocity.y, model.state.view.velocity.z})
+            result[next++] = component[set.places[i]];
+      }
+    }
+  }
+  return result;
+}
+
+void LearnedSets::check(const Eigen::VectorXd& values) const {
+  if (static_cast<std::size_t>(values.size()) != count_)
+    throw Error(ErrorKind::input, fmt::format("learning: {} values, must be {}", values.size(), count_));
+  for (const Set& set : sets_)
+    for (std::size_t i = 0; i < set.size(); ++i)
+      if (const double value = values[static_cast<Eigen::Index>(set.first + i)]; !std::isfinite(value))
+        throw Error(ErrorKind::input, fmt::format("learning: a value of {} {} is {}", name_of_members(set.what),
+                                                  set.what.members[set.is_velocity() ? i / 3 : i], value));
+}
+
+std::vector<double> LearnedSets::values_of(const Set& set, const Eigen::VectorXd& values) const {
+  const double* const first = values.data() + set.first;
+  return {first, first + set.size()};
+}
+
+void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) const {
+  for (const Set& set : sets_) {
+    const LearnedValues& what = set.what;
+    if (what.members.empty()) continue;
+    const std::vector<double> own = values_of(set, values);
+    switch (what.kind) {
+      case Kind::spring_parameter:
+      case Kind::viscosity_parameter:
+        if (what.of_elements)
+          simulation.set_element_parameter(what.members, law_of(what.kind), what.parameter, own);
+        else
+          simulation.set_parameter(what.members, law_of(what.kind), what.parameter, own);
+        break;
+      case Kind::rest_length:
+        if (what.of_elements)
+          simulation.set_references(what.members, own);
+        else
+          simulation.set_rest_lengths(what.members, own);
+        break;
+      case Kind::mass:
+        simulation.set_masses(what.members, own);
+        break;
+      case Kind::neuron_parameter:
+        simulation.set_neuron_parameter(what.members, what.parameter, own);
+        break;
+      case Kind::initial_velocity:
+        for (std::size_t i = 0; i < what.members.size(); ++i)
+          simulation.set_velocity(what.members[i], {own[3 * i], own[3 * i + 1], own[3 * i + 2]});
+    }
+  }
+}
+
+void LearnedSets::set(Engine& engine, const Eigen::VectorXd& values) const {
+  const layers::Layout& layout = engine.model().layout;
+  for (const Set& set : sets_) {
+    const LearnedValues& what = set.what;
+    if (what.members.empty()) continue;
+    const std::vector<double> own = values_of(set, values);
+    switch (what.kind) {
+      case Kind::spring_parameter:
+      case Kind::viscosity_parameter:
+        set_values(engine, {layout, what.of_elements}, what.members, {law_of(what.kind), what.parameter, false}, own);
+        break;
+      case Kind::rest_length:
+        set_references(engine, {layout, what.of_elements}, what.members, own);
+        break;
+      case Kind::mass:
+        set_masses(engine, what.members, own);
+        break;
+      case Kind::neuron_parameter:
+        set_neurons(engine, what.members, what.parameter, own);
+        break;
+      case Kind::initial_velocity:
+        break;  // states are given with each request
+    }
+  }
+}
+
+std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
+  std::vector<sdk::Host::ParameterSet> result;
+  for (Set& set : sets_) {
+    if (set.is_velocity()) continue;
+    sdk::Host::ParameterSet each{host_kind(set.what.kind), set.values};
+    if (!set.what.parameter.empty()) each.parameter = set.what.parameter.c_str();
+    each.of_elements = set.what.of_elements;
+    result.push_back(each);
+  }
+  return result;
+}
+
+void LearnedSets::tangent(const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
+                          double* accelerations) {
+  for (Set& set : sets_) {
+    if (set.is_velocity()) continue;
+    std::fill(set.values.begin(), set.values.end(), 0.0);
+    for (std::size_t i = 0; i < set.places.size(); ++i)
+      set.values[set.places[i]] = change[static_cast<Eigen::Index>(set.first + i)];
+  }
+  const std::vector<sdk::Host::ParameterSet> sets = host_sets();
+  if (!sets.empty()) return host.parameter_tangent(at, sets, {nullptr, accelerations, nullptr});
+  std::fill_n(accelerations, 3 * host.network().node_count, 0.0);
+}
+
+void LearnedSets::begin_cotangent() {
+  for (Set& set : sets_) std::fill(set.values.begin(), set.values.end(), 0.0);
+}
+
+void LearnedSets::add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights) {
+  const std::vector<sdk::Host::ParameterSet> sets = host_sets();
+  if (!sets.empty()) host.parameter_cotangent(at, sets, {nullptr, weights, nullptr});
+}
+
+Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(count_));
+  const Eigen::Index nodes = by_velocity.size() / 3;
+  for (const Set& set : sets_) {
+    auto next = static_cast<Eigen::Index>(set.first);
+    for (const std::uint32_t place : set.places) {
+      if (set.is_velocity())
+        for (Eigen::Index axis = 0; axis < 3; ++axis) result[next++] = by_velocity[axis * nodes + place];
+      else
+        result[next++] = set.values[place];
+    }
+  }
+  return result;
+}
+
+void LearnedSets::start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const {
+  const Eigen::Index nodes = velocities.size() / 3;
+  for (const Set& set : sets_) {
+    if (!set.is_velocity()) continue;
+    auto next = static_cast<Eigen::Index>(set.first);
+    for (const std::uint32_t place : set.places)
+      for (Eigen::Index axis = 0; axis < 3; ++axis) velocities[axis * nodes + place] += change[next++];
+  }
+}
+
+}  // namespace springnet::learning

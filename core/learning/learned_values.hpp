@@ -1,0 +1,59 @@
+// The values that a trajectory is differentiated by: set in a simulation, and as sets of the host's products.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/learning.hpp>
+#include <springnet/sdk/host.hpp>
+
+#include "simulation/engine.hpp"
+
+namespace springnet::learning {
+
+class LearnedSets {
+ public:
+  // Throws Error(input) for members that the network does not have, or that are listed twice; attach(): for laws and
+  // neurons without the parameter.
+  LearnedSets(const Network& network, std::vector<LearnedValues> learned);
+  void attach(Engine& engine);
+
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }
+  [[nodiscard]] Eigen::VectorXd values_of(const Engine& engine) const;
+  // Throws Error(input) if the number of values is another one, or one is not finite.
+  void check(const Eigen::VectorXd& values) const;
+  // At the start. Throws Error(input) for values that laws, neurons or masses cannot have.
+  void set(Simulation& simulation, const Eigen::VectorXd& values) const;
+  void set(Engine& engine, const Eigen::VectorXd& values) const;
+
+  // Changes of accelerations, [3 node], for that of the values.
+  void tangent(const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
+               double* accelerations);
+  // Adds (da/d(values))^T weights, to zeros at first.
+  void begin_cotangent();
+  void add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights);
+  // The sums, with derivatives by the start velocities (the engine's order, x of all nodes first).
+  [[nodiscard]] Eigen::VectorXd cotangent(const Eigen::VectorXd& by_velocity) const;
+  // Adds the change of start velocities.
+  void start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const;
+
+ private:
+  // One LearnedValues; `values` has a number for each spring, element or node, or none for start velocities.
+  struct Set {
+    LearnedValues what;
+    std::size_t first = 0;              // of its values
+    std::vector<std::uint32_t> places;  // [member] in `values`; of start velocities: the engine's nodes
+    std::vector<double> values;
+    [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
+    [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
+  };
+  [[nodiscard]] std::vector<double> values_of(const Set& set, const Eigen::VectorXd& values) const;
+  [[nodiscard]] std::vector<sdk::Host::ParameterSet> host_sets();
+
+  std::vector<Set> sets_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace springnet::learning

@@ -1,0 +1,75 @@
+#include <cmath>
+#include <string>
+
+#include <nlohmann/json.hpp>
+#include <springnet/learn.hpp>
+#include <springnet/version.hpp>
+
+namespace springnet {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = LearnedValues::Kind;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+std::string_view name_of(LearnedValues::Kind kind) noexcept {
+  switch (kind) {
+    case Kind::spring_parameter:
+      return "spring";
+    case Kind::viscosity_parameter:
+      return "viscosity";
+    case Kind::rest_length:
+      return "rest_length";
+    case Kind::mass:
+      return "mass";
+    case Kind::neuron_parameter:
+      return "neuron";
+    case Kind::initial_velocity:
+      return "velocity";
+  }
+  return "";
+}
+
+std::string to_json(const LearnedNet& learned) {
+  Json parameters = Json::array();
+  for (const LearnedParameter& each : learned.parameters) {
+    const bool of_node = each.kind == Kind::mass || each.kind == Kind::neuron_parameter || each.axis >= 0;
+    Json entry{{"kind", name_of(each.kind)}};
+    if (!each.parameter.empty()) entry["parameter"] = each.parameter;
+    entry[of_node ? "node" : each.of_elements ? "element" : "spring"] = each.member;
+    if (each.axis >= 0) entry["axis"] = each.axis;
+    entry["variable"] = each.variable;
+    entry["start"] = each.start;
+    entry["value"] = each.value;
+    entry["lower"] = number(each.lower);
+    entry["upper"] = number(each.upper);
+    entry["determined"] = number(each.determined);
+    entry["at_bound"] = each.at_bound;
+    entry["by_half_time_step"] = number(each.by_time_step);
+    parameters.push_back(std::move(entry));
+  }
+  Json history = Json::array();
+  for (const LearnProgress& each : learned.history)
+    history.push_back({{"iteration", each.iteration}, {"cost", each.cost}, {"rms", each.rms}});
+  const Json json{
+      {"springnet", version()},
+      {"observed_values", learned.observed},
+      {"variables", learned.variables},
+      {"start_cost", learned.start_cost},
+      {"cost", learned.cost},
+      {"rms", learned.rms},
+      {"reason", learned.reason},
+      {"undetermined_directions", learned.undetermined},
+      {"singular_values", learned.singular_values},
+      {"parameters", parameters},
+      {"history", history},
+      {"notes", learned.notes},
+  };
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace springnet

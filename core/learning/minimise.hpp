@@ -1,0 +1,63 @@
+// Search for the least sum of squares within bounds.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace springnet::learning {
+
+// Cost 1/2 |r(x)|^2. Where residuals are not finite, x is not admissible, and a search steps back.
+class LeastSquares {
+ public:
+  virtual ~LeastSquares() = default;
+  [[nodiscard]] virtual Eigen::VectorXd residuals(const Eigen::VectorXd& x) = 0;
+  // Derivatives J of the residuals at x, for the functions below.
+  virtual void linearise(const Eigen::VectorXd& x) = 0;
+  [[nodiscard]] virtual Eigen::VectorXd times(const Eigen::VectorXd& change) = 0;
+  [[nodiscard]] virtual Eigen::VectorXd transposed_times(const Eigen::VectorXd& weights) = 0;
+  // J, with a column for each variable.
+  [[nodiscard]] virtual Eigen::MatrixXd jacobian(Eigen::Index variables) = 0;
+};
+
+struct Bounds {
+  Eigen::VectorXd lower, upper;  // infinite: none; equal: the variable stays
+};
+
+struct Progress {
+  int iteration = 0;  // 0: the start
+  double cost = 0.0;
+  // Greatest cosine between the residuals and what a variable that may move changes of them; 0 at a minimum.
+  double gradient = 0.0;
+};
+
+struct MinimiseOptions {
+  int max_iterations = 100;
+  double gradient_tolerance = 1e-10;  // of Progress::gradient
+  double cost_tolerance = 1e-10;      // decrease in an iteration, relative
+  double step_tolerance = 1e-10;      // relative to the variables
+  // Jacobians of up to so many variables are known as a whole; else steps are found with products alone.
+  Eigen::Index most_dense = 2000;
+  // After the start and each iteration, with the best so far; false ends the search.
+  std::function<bool(const Progress&, const Eigen::VectorXd& best)> on_iteration{};
+};
+
+struct Minimum {
+  enum class Stop : std::uint8_t { gradient, cost, step, iterations, asked, stuck };
+  Eigen::VectorXd x;
+  double cost = 0.0;
+  Stop stop = Stop::iterations;
+  std::string reason;             // a sentence
+  std::vector<Progress> history;  // from the start on
+};
+
+// Levenberg's and Marquardt's method, the damping by Nielsen (1999); steps that leave the bounds end at them, and
+// variables that are pressed against them stay. Throws Error(input) for bounds that do not fit the start, and if the
+// residuals there are not finite; what `problem` throws.
+[[nodiscard]] Minimum levenberg_marquardt(LeastSquares& problem, const Eigen::VectorXd& start, const Bounds& bounds,
+                                          const MinimiseOptions& options = {});
+
+}  // namespace springnet::learning

@@ -1,0 +1,317 @@
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/learning.hpp>
+#include <springnet/sdk/host.hpp>
+
+#include "learning/learned_values.hpp"
+#include "learning/step_solver.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/host_table.hpp"
+
+namespace springnet {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Of linear systems, relative: gradients are good to about this, times the condition of the steps that follow.
+constexpr double accuracy = 1e-11;
+
+constexpr std::string_view method = "recurrent";
+
+double option(const LawUse& integrator, const char* name, double otherwise) {
+  const auto given = integrator.parameters.find(name);
+  return given == integrator.parameters.end() ? otherwise : given->second;
+}
+
+void check_method(const Network& network, const LawUse& integrator) {
+  const auto refuse = [](const std::string& what) { throw Error(ErrorKind::input, "learning: " + what); };
+  if (integrator.id != method)
+    refuse(fmt::format("the integrator is '{}'; only steps of '{}' are differentiated", integrator.id, method));
+  if (option(integrator, "sweeps", 0.0) != 0.0)
+    refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
+  if (!network.rigids().empty()) refuse("nets with rigid connections are not differentiated");
+  if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
+}
+
+}  // namespace
+
+// Vectors of all nodes have the engine's order, x of all nodes, then y, then z.
+struct MotionDerivatives::Impl {
+  struct State {
+    double time;  // s
+    VectorXd p, v;
+  };
+  // A step at the state where it ends, and how its derivatives are weighed.
+  struct Step {
+    const State &from, &until;
+    double w, c;  // s
+  };
+
+  Impl(std::shared_ptr<const Network> net, const std::shared_ptr<const PluginHost>& plugins,
+       const SimulationOptions& options, double duration, std::vector<LearnedValues> values)
+      : learned(*net, std::move(values)),
+        simulation(net, plugins, options),
+        engine(*net, *plugins, options),
+        table(make_host_table(engine)),
+        host(table),
+        solver(host),
+        theta(option(options.integrator, "theta", 1.0)),
+        steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
+    check_method(*net, options.integrator);
+    if (!(duration > 0.0) || !std::isfinite(duration) || steps == 0)
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: a duration of {} s has no time step of {} s", duration, options.time_step));
+    const springnet_network& network = host.network();
+    if (network.internal_count > 0)
+      throw Error(ErrorKind::input, "learning: laws with internal states are not differentiated");
+    nodes = network.node_count;
+    learned.attach(engine);
+    start = simulation.save();
+    for (VectorXd* each : {&dp, &dv, &rhs, &product, &other, &solution}) each->setZero(size());
+  }
+
+  [[nodiscard]] Eigen::Index size() const { return 3 * static_cast<Eigen::Index>(nodes); }
+  [[nodiscard]] springnet_evaluation evaluation(const State& at) const {
+    auto result = sdk::sized<springnet_evaluation>();
+    result.time = at.time;
+    result.position = {at.p.data(), at.p.data() + nodes, at.p.data() + 2 * nodes};
+    result.velocity = {at.v.data(), at.v.data() + nodes, at.v.data() + 2 * nodes};
+    return result;
+  }
+  [[nodiscard]] Step step(std::size_t k) const {
+    const State &from = states[k - 1], &until = states[k];
+    const double h = until.time - from.time;
+    return {from, until, theta * h, (1.0 - theta) * h};
+  }
+  // Of nodes whose motion is given nothing depends on what is learned.
+  void clear_pinned(VectorXd& values) const {
+    const springnet_network& network = host.network();
+    for (std::size_t k = 0; k < nodes; ++k)
+      if (network.fixed[k] != 0 || network.held[k] != 0)
+        for (std::size_t axis = 0; axis < 3; ++axis) values[static_cast<Eigen::Index>(axis * nodes + k)] = 0.0;
+  }
+  [[nodiscard]] Eigen::Matrix3Xd in_user_order(const VectorXd& values) const {
+    Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(nodes));
+    const std::vector<std::uint32_t>& number = engine.model().layout.ordering().engine;
+    for (std::size_t k = 0; k < nodes; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        result(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k)) =
+            values[static_cast<Eigen::Index>(axis * nodes + number[k])];
+    return result;
+  }
+  void add_from_user_order(const Eigen::Matrix3Xd& from, VectorXd& to) const {
+    const std::vector<std::uint32_t>& number = engine.model().layout.ordering().engine;
+    for (std::size_t k = 0; k < nodes; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        to[static_cast<Eigen::Index>(axis * nodes + number[k])] +=
+            from(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k));
+  }
+
+  void run(const VectorXd& values);
+  void record(std::vector<State>& to) const;
+  void check_step() const;
+  void tangent(const MatrixXd& directions, const StateTangents& told);
+  VectorXd adjoint(const std::function<void(std::size_t, StateChange&)>& add);
+  void step_forwards(const Step& step);
+  void step_backwards(const Step& step);
+  template <class Function>
+  void with_messages(const Function& function) const {
+    try {
+      function();
+    } catch (const sdk::Failure& failure) {
+      throw Error(ErrorKind::simulation, std::string("learning: ") + failure.what());
+    }
+  }
+
+  learning::LearnedSets learned;
+  Simulation simulation;
+  Engine engine;  // answers for derivatives, at the states of the last run
+  springnet_host table;
+  sdk::Host host;
+  learning::StepSolver solver;
+  double theta;
+  std::size_t steps, nodes = 0;
+  std::string start;
+  std::vector<State> states;  // of the last run
+  VectorXd dp, dv;            // the change of a state, or derivatives of the loss by it
+  VectorXd rhs, product, other, solution, work;
+  MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
+};
+
+void MotionDerivatives::Impl::record(std::vector<State>& to) const {
+  State state{simulation.time(), VectorXd(size()), VectorXd(size())};
+  const ConstNodeMap p = simulation.positions(), v = simulation.velocities();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    state.p.segment(axis * static_cast<Eigen::Index>(nodes), static_cast<Eigen::Index>(nodes)) =
+        p.row(axis).transpose();
+    state.v.segment(axis * static_cast<Eigen::Index>(nodes), static_cast<Eigen::Index>(nodes)) =
+        v.row(axis).transpose();
+  }
+  to.push_back(std::move(state));
+}
+
+// What the derivative of a fixed point does not describe.
+void MotionDerivatives::Impl::check_step() const {
+  const auto refuse = [this](const std::string& what) {
+    throw Error(ErrorKind::simulation,
+                fmt::format("learning: {} at {:g} s is not differentiated", what, simulation.time()));
+  };
+  const StepReport& report = simulation.last_report();
+  if (report.outcome != Outcome::settled) refuse("a step that has not settled");
+  if (report.substeps > 0) refuse("a step that was divided as it did not settle");
+  if (simulation.events().empty()) return;
+  const Event& event = simulation.events().front();
+  refuse(event.kind == Event::Kind::cut || event.kind == Event::Kind::ruptured ? "a cut or rupture" : "contact");
+}
+
+void MotionDerivatives::Impl::run(const VectorXd& values) {
+  learned.check(values);
+  simulation.restore(start);
+  learned.set(simulation, values);
+  std::vector<State> made;
+  made.reserve(steps + 1);
+  record(made);
+  for (std::size_t k = 0; k < steps; ++k) {
+    simulation.step();
+    check_step();
+    record(made);
+  }
+  learned.set(engine, values);
+  states = std::move(made);
+}
+
+// Each column of dps and dvs is the change of a state.
+void MotionDerivatives::Impl::step_forwards(const Step& step) {
+  host.begin_step(step.from.time, step.until.time);
+  const Eigen::Index columns = dps.cols();
+  rhss = dvs;
+  const auto add = [&](const State& at, double weight, bool with_velocities) {
+    const springnet_evaluation where = evaluation(at);
+    other.setZero();
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      work = with_velocities ? VectorXd(dvs.col(j)) : VectorXd::Zero(size());
+      host.jacobian_times(dps.col(j).data(), work.data(), product.data());
+      learned.tangent(host, where, changes.col(j), other.data());
+      rhss.col(j) += weight * (product + other);
+    }
+  };
+  if (step.c > 0.0) {
+    host.linearise(evaluation(step.from));
+    add(step.from, step.c, true);
+  }
+  dps += step.c * dvs;  // of p*
+  solver.prepare(evaluation(step.until), step.w, columns);
+  add(step.until, step.w, false);
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    rhs = rhss.col(j);
+    clear_pinned(rhs);
+    solver.solve(rhs, accuracy, solution);
+    dvs.col(j) = solution;
+    product = dps.col(j) + step.w * solution;
+    clear_pinned(product);
+    dps.col(j) = product;
+  }
+}
+
+void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTangents& told) {
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
+  changes = directions;
+  dps.setZero(size(), directions.cols());
+  dvs.setZero(size(), directions.cols());
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) {
+    product.setZero();
+    learned.start_velocity(directions.col(j), product);
+    dvs.col(j) = product;
+  }
+  MatrixXd positions(size(), directions.cols()), velocities(size(), directions.cols());
+  for (std::size_t k = 0;; ++k) {
+    for (Eigen::Index j = 0; j < directions.cols(); ++j) {
+      positions.col(j) = in_user_order(dps.col(j)).reshaped();
+      velocities.col(j) = in_user_order(dvs.col(j)).reshaped();
+    }
+    told(k, positions, velocities);
+    if (k + 1 >= states.size()) return;
+    with_messages([&] { step_forwards(step(k + 1)); });
+  }
+}
+
+// dp and dv are derivatives by the end of the step before, and by its start after it.
+void MotionDerivatives::Impl::step_backwards(const Step& step) {
+  host.begin_step(step.from.time, step.until.time);
+  clear_pinned(dp);
+  clear_pinned(dv);
+  const springnet_evaluation end = evaluation(step.until);
+  solver.prepare(end, step.w);
+  rhs = dv + step.w * dp;
+  solver.solve_transposed(rhs, accuracy, solution);
+  host.jacobian_transposed_times(solution.data(), product.data(), other.data());
+  rhs = step.w * solution;
+  learned.add_cotangent(host, end, rhs.data());
+  dp += step.w * product;
+  dv = solution + step.c * dp;
+  if (step.c > 0.0) {
+    const springnet_evaluation begin = evaluation(step.from);
+    host.linearise(begin);
+    host.jacobian_transposed_times(solution.data(), product.data(), other.data());
+    rhs = step.c * solution;
+    learned.add_cotangent(host, begin, rhs.data());
+    dp += step.c * product;
+    dv += step.c * other;
+  }
+  clear_pinned(dp);
+  clear_pinned(dv);
+}
+
+VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
+  learned.begin_cotangent();
+  dp.setZero();
+  dv.setZero();
+  const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
+  for (std::size_t k = states.size(); k-- > 0;) {
+    StateChange own{zero, zero};
+    add(k, own);
+    add_from_user_order(own.positions, dp);
+    add_from_user_order(own.velocities, dv);
+    if (k > 0) with_messages([&] { step_backwards(step(k)); });
+  }
+  return learned.cotangent(dv);
+}
+
+MotionDerivatives::MotionDerivatives(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+                                     const SimulationOptions& options, double duration,
+                                     std::vector<LearnedValues> learned) {
+  if (!network) throw Error(ErrorKind::input, "learning: there is no network");
+  if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
+  impl_ = std::make_unique<Impl>(std::move(network), plugins, options, duration, std::move(learned));
+}
+MotionDerivatives::~MotionDerivatives() = default;
+MotionDerivatives::MotionDerivatives(MotionDerivatives&&) noexcept = default;
+MotionDerivatives& MotionDerivatives::operator=(MotionDerivatives&&) noexcept = default;
+
+std::size_t MotionDerivatives::value_count() const noexcept { return impl_->learned.count(); }
+VectorXd MotionDerivatives::values_of_network() const { return impl_->learned.values_of(impl_->engine); }
+void MotionDerivatives::run(const VectorXd& values) { impl_->run(values); }
+std::size_t MotionDerivatives::step_count() const noexcept {
+  return impl_->states.empty() ? 0 : impl_->states.size() - 1;
+}
+double MotionDerivatives::time(std::size_t state) const { return impl_->states.at(state).time; }
+Eigen::Matrix3Xd MotionDerivatives::positions(std::size_t state) const {
+  return impl_->in_user_order(impl_->states.at(state).p);
+}
+Eigen::Matrix3Xd MotionDerivatives::velocities(std::size_t state) const {
+  return impl_->in_user_order(impl_->states.at(state).v);
+}
+void MotionDerivatives::tangent(const MatrixXd& changes, const StateTangents& told) { impl_->tangent(changes, told); }
+VectorXd MotionDerivatives::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
+  return impl_->adjoint(add);
+}
+
+}  // namespace springnet

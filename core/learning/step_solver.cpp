@@ -1,0 +1,134 @@
+#include "learning/step_solver.hpp"
+
+#include <cmath>
+
+namespace springnet::learning {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Eigen::Index most_iterations = 40;
+// Of the host's solver in each of them: as many digits as one of its own iterations costs little for.
+constexpr double inner_accuracy = 1e-3;
+// A factorisation takes as long as so many solutions by iteration, in nets of up to so many nodes.
+constexpr Eigen::Index solutions_worth_factors = 20;
+constexpr std::size_t most_nodes_factorised = 1000;
+
+}  // namespace
+
+void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index solutions) {
+  const springnet_network& network = host_.network();
+  const std::size_t n = network.node_count;
+  mass_.resize(3 * n);
+  pinned_.resize(3 * n);
+  for (std::size_t i = 0; i < 3 * n; ++i) {
+    mass_[i] = network.mass[i % n];
+    pinned_[i] = network.fixed[i % n] | network.held[i % n];
+  }
+  w_ = w;
+  factorised_ = false;
+  host_.linearise(at);
+  if (solutions >= solutions_worth_factors && n <= most_nodes_factorised) {
+    host_.factorise(w, w * w);
+    factorised_ = true;
+  } else {
+    host_.prepare_system({w, w * w});
+  }
+  for (VectorXd* each : {&work_, &by_position_, &by_velocity_}) each->resize(static_cast<Eigen::Index>(3 * n));
+}
+
+void StepSolver::clear_pinned(VectorXd& values) const {
+  for (std::size_t i = 0; i < pinned_.size(); ++i)
+    if (pinned_[i] != 0) values[static_cast<Eigen::Index>(i)] = 0.0;
+}
+
+void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x) {
+  const auto matrix = [this](const VectorXd& in, VectorXd& out) {
+    work_ = w_ * in;
+    host_.jacobian_times(work_.data(), in.data(), by_position_.data());
+    out = in - w_ * by_position_;
+    clear_pinned(out);
+  };
+  const auto preconditioner = [this](const VectorXd& in, VectorXd& out) {
+    static_cast<void>(host_.solve_system(in.data(), inner_accuracy, out.data()));
+  };
+  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, x)) directly(right_side, false, x);
+}
+
+void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, VectorXd& x) {
+  const Eigen::Map<const VectorXd> mass(mass_.data(), static_cast<Eigen::Index>(mass_.size()));
+  const auto matrix = [this](const VectorXd& in, VectorXd& out) {
+    host_.jacobian_transposed_times(in.data(), by_position_.data(), by_velocity_.data());
+    out = in - w_ * by_velocity_ - (w_ * w_) * by_position_;
+    clear_pinned(out);
+  };
+  const auto preconditioner = [&](const VectorXd& in, VectorXd& out) {
+    work_ = in.cwiseQuotient(mass);
+    static_cast<void>(host_.solve_system(work_.data(), inner_accuracy, out.data()));
+    out = out.cwiseProduct(mass);
+  };
+  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, x)) directly(right_side, true, x);
+}
+
+// Arnoldi's basis by modified Gram-Schmidt, least squares by Givens rotations. False: no convergence.
+bool StepSolver::iterate(const Map& matrix, const Map& preconditioner, const VectorXd& right_side, double accuracy,
+                         VectorXd& x) {
+  const double size = right_side.norm();
+  x.setZero(right_side.size());
+  if (!(size > 0.0)) return size == 0.0;
+  basis_.assign(1, right_side / size);
+  images_.clear();
+  MatrixXd h = MatrixXd::Zero(most_iterations + 1, most_iterations);
+  VectorXd g = VectorXd::Zero(most_iterations + 1), cosine(most_iterations), sine(most_iterations);
+  g[0] = size;
+  Eigen::Index count = 0;
+  bool settled = false;
+  VectorXd next(right_side.size());
+  while (count < most_iterations && !settled) {
+    const Eigen::Index k = count++;
+    images_.emplace_back(right_side.size());
+    preconditioner(basis_.back(), images_.back());
+    if (!images_.back().allFinite()) return false;
+    matrix(images_.back(), next);
+    for (Eigen::Index i = 0; i <= k; ++i) {
+      h(i, k) = basis_[static_cast<std::size_t>(i)].dot(next);
+      next -= h(i, k) * basis_[static_cast<std::size_t>(i)];
+    }
+    h(k + 1, k) = next.norm();
+    const double length = h(k + 1, k);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const double upper = cosine[i] * h(i, k) + sine[i] * h(i + 1, k);
+      h(i + 1, k) = -sine[i] * h(i, k) + cosine[i] * h(i + 1, k);
+      h(i, k) = upper;
+    }
+    const double radius = std::hypot(h(k, k), h(k + 1, k));
+    if (!(radius > 0.0) || !std::isfinite(radius)) return false;
+    cosine[k] = h(k, k) / radius;
+    sine[k] = h(k + 1, k) / radius;
+    h(k, k) = radius;
+    g[k + 1] = -sine[k] * g[k];
+    g[k] *= cosine[k];
+    settled = std::abs(g[k + 1]) <= accuracy * size;
+    if (!settled && !(length > 0.0)) return false;
+    if (!settled) basis_.push_back(next / length);
+  }
+  if (!settled) return false;
+  const VectorXd weights = h.topLeftCorner(count, count).triangularView<Eigen::Upper>().solve(g.head(count));
+  for (Eigen::Index i = 0; i < count; ++i) x += weights[i] * images_[static_cast<std::size_t>(i)];
+  clear_pinned(x);
+  return true;
+}
+
+void StepSolver::directly(const VectorXd& right_side, bool transposed, VectorXd& x) {
+  if (!factorised_) host_.factorise(w_, w_ * w_);
+  factorised_ = true;
+  x.resize(right_side.size());
+  if (transposed)
+    host_.solve_transposed(right_side.data(), x.data());
+  else
+    host_.solve(right_side.data(), x.data());
+  clear_pinned(x);
+}
+
+}  // namespace springnet::learning

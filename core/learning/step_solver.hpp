@@ -1,0 +1,44 @@
+// Linear systems of a time step, A = I - w da/dv - w^2 da/dp, and their transposes, at the state last prepared.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/sdk/host.hpp>
+
+namespace springnet::learning {
+
+// Flexible GMRES (Saad, SIAM J. Sci. Comput. 14, 1993), preconditioned by the host's own solver of the step: it solves
+// A x = b, and A^T y = b as y = M x with A x = M^-1 b, exactly where M A is symmetric, as of nets with potentials and
+// damping along relative velocities. Other damping leaves a few iterations. Vectors have 3 node numbers, x of all nodes
+// first.
+class StepSolver {
+ public:
+  explicit StepSolver(sdk::Host host) noexcept : host_(host) {}
+
+  // w: s. Linearises at a state; then the host's jacobian_times and its transpose are those of this state. solutions:
+  // how many are to come; a small net is then factorised if that pays.
+  void prepare(const springnet_evaluation& at, double w, Eigen::Index solutions = 1);
+  // accuracy: of the residual, relative to the right-hand side. Throws sdk::Failure if the matrix is singular.
+  void solve(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x);
+  void solve_transposed(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x);
+
+ private:
+  using Map = std::function<void(const Eigen::VectorXd& in, Eigen::VectorXd& out)>;
+  [[nodiscard]] bool iterate(const Map& matrix, const Map& preconditioner, const Eigen::VectorXd& right_side,
+                             double accuracy, Eigen::VectorXd& x);
+  void directly(const Eigen::VectorXd& right_side, bool transposed, Eigen::VectorXd& x);
+  void clear_pinned(Eigen::VectorXd& values) const;
+
+  sdk::Host host_;
+  double w_ = 0.0;
+  std::vector<double> mass_;          // [3 node]
+  std::vector<std::uint8_t> pinned_;  // [3 node]
+  bool factorised_ = false;
+  std::vector<Eigen::VectorXd> basis_, images_;
+  Eigen::VectorXd work_, by_position_, by_velocity_;
+};
+
+}  // namespace springnet::learning

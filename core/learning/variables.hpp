@@ -1,0 +1,54 @@
+// Variables of a search for values: each drives one value, or several together, by itself or by its logarithm.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/learn.hpp>
+
+namespace springnet::learning {
+
+class Variables {
+ public:
+  // start: the values of the network. Throws Error(input) for parameters that are not declared learnable, and for
+  // bounds that exclude the start.
+  Variables(const Network& network, const PluginHost& plugins, const std::vector<Learnable>& learnables,
+            const Eigen::VectorXd& start);
+
+  [[nodiscard]] Eigen::Index count() const noexcept { return start_.size(); }
+  [[nodiscard]] const Eigen::VectorXd& start() const noexcept { return start_; }
+  [[nodiscard]] const Eigen::VectorXd& lower() const noexcept { return lower_; }
+  [[nodiscard]] const Eigen::VectorXd& upper() const noexcept { return upper_; }
+  [[nodiscard]] bool is_logarithmic(Eigen::Index variable) const {
+    return logarithmic_[static_cast<std::size_t>(variable)];
+  }
+  [[nodiscard]] std::size_t variable_of(std::size_t value) const noexcept { return links_[value].variable; }
+
+  // Within the bounds of the values, whatever rounding an exponential adds.
+  [[nodiscard]] Eigen::VectorXd values(const Eigen::VectorXd& x) const;
+  // d(value)/d(variable) at x.
+  [[nodiscard]] double slope(std::size_t value, const Eigen::VectorXd& x) const;
+  // Changes of the values for those of the variables, a column each; and the transpose.
+  [[nodiscard]] Eigen::MatrixXd times(const Eigen::VectorXd& x, const Eigen::MatrixXd& changes) const;
+  [[nodiscard]] Eigen::VectorXd transposed_times(const Eigen::VectorXd& x, const Eigen::VectorXd& gradient) const;
+  // The value for a variable that is shifted, all others as at x.
+  [[nodiscard]] double value_at(std::size_t value, const Eigen::VectorXd& x, double shift) const;
+
+ private:
+  // value = factor times the variable, or its exponential.
+  struct Link {
+    std::size_t variable;
+    double factor;
+    bool is_logarithmic;
+    double lower, upper;  // of the value
+  };
+  [[nodiscard]] static double value_of(const Link& link, double x);
+
+  std::vector<Link> links_;        // [value]
+  std::vector<bool> logarithmic_;  // [variable]
+  Eigen::VectorXd start_, lower_, upper_;
+};
+
+}  // namespace springnet::learning

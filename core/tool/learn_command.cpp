@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <springnet/learn.hpp>
+#include <springnet/printable.hpp>
+#include <springnet/scene_writer.hpp>
+
+#include "commands.hpp"
+#include "common.hpp"
+#include "process.hpp"
+#include "text_table.hpp"
+
+namespace springnet::tool {
+
+namespace {
+
+constexpr const char* learn_examples =
+    R"(Identifies parameters of a scene from observed motion: the scene runs in the recurrent network, its motion is
+differentiated through time, and the values are changed until the sum of the weighted squares of the differences is
+least. What the data say of each value is told with it.
+
+FILE is a table (CSV) with a line for each observation: time,node,x,y,z as in trajectory.csv of a run, or vx,vy,vz, or
+time,node,other,distance; an empty cell is missing, 'weight' or a standard deviation 's' weighs a line.
+
+WHAT is spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME (parameters that a law or
+neuron declares learnable), rest_length, reference, mass or velocity; @BODY takes one body alone, :together one value
+for all.
+
+Files in the output folder:
+  learned.toml      the scene with the values that were learned
+  learning.json     each value with its interval, what the data determine, the course of the search
+
+Examples:
+  springnet learn bar.toml --observations seen.csv --parameters spring.stiffness:together,viscosity.damping:together
+  springnet learn cube.toml --observations run/trajectory.csv --parameters spring.stiffness,mass@cube -o learned
+
+Exit status:
+  0 done   1 no value was found   2 usage, scene or observations   3 plugin)";
+
+struct LearnArguments {
+  SceneArguments scene;
+  OutputArguments output;
+  std::vector<std::filesystem::path> observations;
+  std::vector<std::string> parameters;
+  int iterations = 100;
+  double guess_weight = 0.0;
+};
+
+constexpr const char* learned_file = "learned.toml";
+constexpr const char* learning_file = "learning.json";
+
+Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files) {
+  Experiment result{std::make_shared<const Network>(scene.network), scene.options, {}};
+  for (const std::filesystem::path& file : files) result.observations.append(read_observations(file));
+  return result;
+}
+
+std::string name_of_value(const LearnedParameter& each) {
+  const bool of_node =
+      each.axis >= 0 || each.kind == LearnedValues::Kind::mass || each.kind == LearnedValues::Kind::neuron_parameter;
+  std::string name(name_of(each.kind));
+  if (!each.parameter.empty()) name += "." + each.parameter;
+  if (each.axis >= 0) name += fmt::format(".{}", "xyz"[each.axis]);
+  return fmt::format("{} of {} {}", name, of_node ? "node" : each.of_elements ? "element" : "spring", each.member);
+}
+
+// One row for each variable.
+std::string table_of(const LearnedNet& learned) {
+  constexpr std::size_t most = 12;
+  std::vector<std::vector<std::string>> rows{{"VALUE", "START", "LEARNED", "95 % INTERVAL", "HALF THE TIME STEP ADDS"}};
+  std::size_t variable = 0, left_out = 0;
+  for (const LearnedParameter& each : learned.parameters) {
+    if (each.variable != variable) continue;  // of one that stands there already
+    ++variable;
+    if (rows.size() > most) {
+      ++left_out;
+      continue;
+    }
+    std::string interval = "not determined";
+    if (std::isfinite(each.upper)) interval = fmt::format("{:.6g} to {:.6g}", each.lower, each.upper);
+    if (each.at_bound) interval += ", at its bound";
+    rows.push_back({name_of_value(each), fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
+                    std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
+  }
+  std::string text = align_columns(rows);
+  if (left_out > 0) text += fmt::format("  and {} more, in {}\n", left_out, learning_file);
+  return text;
+}
+
+std::string report_of(const LearnedNet& learned) {
+  std::string text = fmt::format(
+      "{} variables from {} observed values\n  cost {:.6g} at first, {:.6g} at the end, rms of the "
+      "weighted differences {:.4g}, {} iterations\n  {}\n\n{}",
+      learned.variables, learned.observed, learned.start_cost, learned.cost, learned.rms,
+      learned.history.empty() ? 0 : learned.history.back().iteration, learned.reason, table_of(learned));
+  if (learned.undetermined > 0) {
+    text += fmt::format(
+        "\n  {} combinations of the variables have no influence on what was observed. Values that they "
+        "touch are not determined; they stay near their start.\n",
+        learned.undetermined);
+  }
+  for (const std::string& note : learned.notes) text += fmt::format("  note: {}\n", note);
+  return text;
+}
+
+int run(const LearnArguments& arguments) {
+  outlive_readers();
+  const auto host = arguments.scene.plugins.load();
+  Scene scene = arguments.scene.load(*host);
+  std::vector<Learnable> learnables;
+  for (const std::string& each : arguments.parameters)
+    learnables.push_back(select_learnable(scene.network, *host, each));
+  const Experiment experiment = experiment_of(scene, arguments.observations);
+  const OutputFolder::Pointer folder = arguments.output.open_for(arguments.scene.file, {learned_file, learning_file});
+
+  catch_interrupts();
+  LearnOptions options;
+  options.max_iterations = arguments.iterations;
+  options.guess_weight = arguments.guess_weight;
+  options.on_iteration = [&](const LearnProgress& now) {
+    if (!arguments.output.silent())
+      fmt::print(stderr, "iteration {:3}: cost {:.6g}, rms {:.4g}\n", now.iteration, now.cost, now.rms);
+    return !interrupted();
+  };
+  LearnedNet learned = learn({experiment}, host, learnables, options);
+  std::vector<std::string> notes = arguments.scene.plugins.notes(*host, scene);
+  for (const std::string& note : notes_of(scene)) notes.push_back(note);
+  learned.notes.insert(learned.notes.begin(), notes.begin(), notes.end());
+
+  scene.network = with_values(experiment.network, host, learnables, learned.values);
+  const std::string json = to_json(learned);
+  write_whole({folder, learning_file}, json);
+  write_whole({folder, learned_file}, to_scene(scene, *host));
+  if (arguments.output.json) {
+    fmt::print("{}", json);
+  } else if (!arguments.output.quiet) {
+    print_report(fmt::format("{}\n  written: {}, {} in {}\n", report_of(learned), learned_file, learning_file,
+                             folder->path().string()));
+  }
+  std::fflush(stdout);
+  return done;
+}
+
+}  // namespace
+
+void add_learn(CLI::App& app, Action& action) {
+  const auto arguments = std::make_shared<LearnArguments>();
+  CLI::App* const command = app.add_subcommand("learn", "Identify parameters of a scene from observed motion");
+  arguments->scene.add_to(*command, true);
+  command->add_option("--observations", arguments->observations, "Tables of what was observed")
+      ->type_name("FILE...")
+      ->required();
+  command->add_option("--parameters", arguments->parameters, "What is learned, separated by commas")
+      ->type_name("WHAT,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->required();
+  command->add_option("--iterations", arguments->iterations, "The most iterations of the search [100]")
+      ->type_name("N")
+      ->check(number_between(0, 1e6));
+  command
+      ->add_option("--guess-weight", arguments->guess_weight,
+                   "Weight of the squares of relative changes from the start, to which values go that the data do not "
+                   "determine [0]")
+      ->type_name("W")
+      ->check(number_between(0.0, finite));
+  arguments->output.add_to(*command);
+  command->footer(learn_examples);
+  command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace springnet::tool
