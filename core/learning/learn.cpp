@@ -28,7 +28,7 @@ double rms_of(const VectorXd& residuals, std::size_t observed) {
   return observed > 0 ? std::sqrt(residuals.squaredNorm() / static_cast<double>(observed)) : 0.0;
 }
 
-class Problem : public learning::LeastSquares {
+class Problem final : public learning::LeastSquares {
  public:
   explicit Problem(learning::Fit& fit) : fit_(fit) {}
   VectorXd residuals(const VectorXd& x) override { return fit_.residuals(x); }
@@ -39,6 +39,53 @@ class Problem : public learning::LeastSquares {
 
  private:
   learning::Fit& fit_;
+};
+
+// What was observed in this share of the time; empty: of an experiment nothing.
+std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, double share) {
+  std::vector<Experiment> result;
+  for (const Experiment& each : experiments) {
+    const std::vector<double> all = each.observations.times();
+    const double until = share * all.back();
+    if (!(until > 0.0) || all.front() > until) return {};
+    Experiment part{each.network, each.options, each.observations};
+    const auto is_later = [until](const auto& row) { return row.time > until; };
+    std::erase_if(part.observations.positions, is_later);
+    std::erase_if(part.observations.velocities, is_later);
+    std::erase_if(part.observations.distances, is_later);
+    result.push_back(std::move(part));
+  }
+  return result;
+}
+
+// The stages of a search, told to the program as one.
+struct Search {
+  const LearnOptions& options;
+  const learning::Variables& variables;
+  std::vector<LearnProgress>& history;
+  bool stopped = false;
+
+  learning::Minimum run(learning::Fit& fit, const VectorXd& start, double share) {
+    constexpr int most_of_a_stage = 30;
+    constexpr double tolerance_of_a_stage = 1e-2;  // of the cost: the next stage goes on from there
+    const bool is_last = share == 1.0;
+    learning::MinimiseOptions own;
+    own.max_iterations = is_last ? options.max_iterations : std::min(most_of_a_stage, options.max_iterations);
+    own.cost_tolerance = is_last ? options.tolerance : tolerance_of_a_stage;
+    own.step_tolerance = own.gradient_tolerance = options.tolerance;
+    const double values = static_cast<double>(std::max<std::size_t>(1, fit.observed()));
+    const int before = history.empty() ? 0 : history.back().iteration;
+    own.on_iteration = [&, before](const learning::Progress& now, const VectorXd& best) {
+      history.push_back({before + now.iteration, share, now.cost, std::sqrt(2.0 * now.cost / values), {}});
+      if (!options.on_iteration || stopped) return !stopped;
+      LearnProgress told = history.back();
+      told.values = variables.values(best);
+      stopped = !options.on_iteration(told);
+      return !stopped;
+    };
+    Problem problem(fit);
+    return learning::levenberg_marquardt(problem, start, {variables.lower(), variables.upper()}, own);
+  }
 };
 
 std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) {
@@ -106,33 +153,24 @@ LearnedNet learn(const std::vector<Experiment>& experiments, std::shared_ptr<con
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
   learning::Fit fit(experiments, plugins, learnables, options.guess_weight);
   const learning::Variables& variables = fit.variables();
-  Problem problem(fit);
-
-  learning::MinimiseOptions search;
-  search.max_iterations = options.max_iterations;
-  search.cost_tolerance = search.step_tolerance = search.gradient_tolerance = options.tolerance;
-  search.on_iteration = [&](const learning::Progress& now, const VectorXd& best) {
-    if (!options.on_iteration) return true;
-    LearnProgress progress{now.iteration, now.cost, 0.0, variables.values(best)};
-    progress.rms = std::sqrt(2.0 * now.cost / static_cast<double>(std::max<std::size_t>(1, fit.observed())));
-    return options.on_iteration(progress);
-  };
-  const learning::Minimum minimum =
-      learning::levenberg_marquardt(problem, variables.start(), {variables.lower(), variables.upper()}, search);
-
   LearnedNet result;
+  Search search{options, variables, result.history};
+  VectorXd start = variables.start();
+  result.start_cost = 0.5 * fit.residuals(start).squaredNorm();
+  for (int stage = options.stages - 1; stage > 0; --stage) {
+    const double share = std::ldexp(1.0, -stage);
+    const std::vector<Experiment> first = first_part(experiments, share);
+    if (first.empty() || search.stopped) continue;
+    learning::Fit part(first, plugins, learnables, options.guess_weight);
+    start = search.run(part, start, share).x;
+  }
+  const learning::Minimum minimum = search.run(fit, start, 1.0);
+
   result.parameters = list_parameters(learnables);
   result.values = variables.values(minimum.x);
   result.observed = fit.observed();
   result.variables = static_cast<std::size_t>(variables.count());
   result.reason = minimum.reason;
-  for (const learning::Progress& each : minimum.history)
-    result.history.push_back(
-        {each.iteration,
-         each.cost,
-         std::sqrt(2.0 * each.cost / static_cast<double>(std::max<std::size_t>(1, fit.observed()))),
-         {}});
-  result.start_cost = minimum.history.empty() ? minimum.cost : minimum.history.front().cost;
   result.cost = minimum.cost;
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());

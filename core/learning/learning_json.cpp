@@ -54,7 +54,8 @@ std::string to_json(const LearnedNet& learned) {
   }
   Json history = Json::array();
   for (const LearnProgress& each : learned.history)
-    history.push_back({{"iteration", each.iteration}, {"cost", each.cost}, {"rms", each.rms}});
+    history.push_back(
+        {{"iteration", each.iteration}, {"share_of_time", each.share}, {"cost", each.cost}, {"rms", each.rms}});
   const Json json{
       {"springnet", version()},
       {"observed_values", learned.observed},

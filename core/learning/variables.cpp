@@ -88,7 +88,7 @@ Variables::Variables(const Network& network, const PluginHost& plugins, const st
                     fmt::format("learning: the search starts at {:g}, which is not within {:g} and {:g}; "
                                 "give the network another value, or other bounds",
                                 own, link.lower, link.upper));
-      link.is_logarithmic = link.lower >= 0.0 && own > 0.0;
+      link.is_logarithmic = bounds.excludes_lower && link.lower >= 0.0 && own > 0.0;
       const bool joins = each.together && i > 0;
       if (joins && (own == 0.0) != (reference == 0.0))
         throw Error(ErrorKind::input, "learning: values that are learned together start at 0, all or none");

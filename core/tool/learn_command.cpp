@@ -122,7 +122,8 @@ int run(const LearnArguments& arguments) {
   options.guess_weight = arguments.guess_weight;
   options.on_iteration = [&](const LearnProgress& now) {
     if (!arguments.output.silent())
-      fmt::print(stderr, "iteration {:3}: cost {:.6g}, rms {:.4g}\n", now.iteration, now.cost, now.rms);
+      fmt::print(stderr, "iteration {:3}, {:5.3g} % of the time: cost {:.6g}, rms {:.4g}\n", now.iteration,
+                 100.0 * now.share, now.cost, now.rms);
     return !interrupted();
   };
   LearnedNet learned = learn({experiment}, host, learnables, options);

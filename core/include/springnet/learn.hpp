@@ -24,8 +24,8 @@ struct Learnable {
   LearnedValues values;
   // One variable for all: they are equal, or keep their ratios if they differ at first.
   bool together = false;
-  // Beside the bounds of the law's or neuron's metadata; masses and rest lengths stay above 0. Values that start above
-  // a lower bound of 0 or more are searched by their logarithm.
+  // Beside the bounds of the law's or neuron's metadata; masses and rest lengths stay above 0. Values that have to are
+  // searched by their logarithm, others as they are: forces of most laws are linear in them.
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
 };
 
@@ -43,14 +43,18 @@ struct Experiment {
 };
 
 struct LearnProgress {
-  int iteration = 0;
+  int iteration = 0;         // of all stages
+  double share = 1.0;        // of the observed time that is learned from
   double cost = 0.0;         // 1/2 sum of weighted squares of residuals
   double rms = 0.0;          // root mean square of the weighted residuals
   Eigen::VectorXd values{};  // the best so far, as of MotionDerivatives
 };
 
 struct LearnOptions {
-  int max_iterations = 100;
+  int max_iterations = 100;  // of the last stage
+  // Values are learned from the first part of the motion at first, of which each stage doubles the length: later motion
+  // depends on them so much that a search from far away ends at a wrong minimum. 1: at once from all.
+  int stages = 4;
   double tolerance = 1e-10;  // relative: of the cost from iteration to iteration, of the step, of the gradient
   // Residuals sqrt(guess_weight) (x - x0) towards the values at the start, of the logarithm where that is searched by,
   // else relative to the value: what the data do not determine stays there. 0: none.
@@ -86,7 +90,7 @@ struct LearnedNet {
   std::size_t variables = 0;
   std::vector<double> singular_values;  // of the residuals by the variables, descending
   std::size_t undetermined = 0;         // directions without influence
-  std::vector<LearnProgress> history;   // without values
+  std::vector<LearnProgress> history;   // of all stages, without values
   std::string reason;                   // why the search ended
   std::vector<std::string> notes;
 };
