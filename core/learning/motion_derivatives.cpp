@@ -21,8 +21,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of linear systems, relative: gradients are good to about this, times the condition of the steps that follow.
-constexpr double accuracy = 1e-11;
+constexpr double default_accuracy = 1e-10;
 
 constexpr std::string_view method = "recurrent";
 
@@ -39,6 +38,16 @@ void check_method(const Network& network, const LawUse& integrator) {
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
   if (!network.rigids().empty()) refuse("nets with rigid connections are not differentiated");
   if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
+}
+
+// Whether derivatives of accelerations at a time do not depend on the step: loads are averaged over each, and
+// derivatives by masses have them; input signals may jump.
+bool have_no_jumps(const Network& network) {
+  const auto stays = [](const Load& load) {
+    return load.faces.empty() && load.course.times.empty() && load.course.frequency == 0.0 && load.course.ramp == 0.0 &&
+           std::isinf(load.from) && std::isinf(load.until);
+  };
+  return network.inputs().empty() && std::all_of(network.loads().begin(), network.loads().end(), stays);
 }
 
 }  // namespace
@@ -63,6 +72,7 @@ struct MotionDerivatives::Impl {
         table(make_host_table(engine)),
         host(table),
         solver(host),
+        same_at_both(have_no_jumps(*net)),
         theta(option(options.integrator, "theta", 1.0)),
         steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
     check_method(*net, options.integrator);
@@ -121,7 +131,8 @@ struct MotionDerivatives::Impl {
   void tangent(const MatrixXd& directions, const StateTangents& told);
   VectorXd adjoint(const std::function<void(std::size_t, StateChange&)>& add);
   void step_forwards(const Step& step);
-  void step_backwards(const Step& step);
+  void step_backwards(std::size_t k);
+  void add_start();
   template <class Function>
   void with_messages(const Function& function) const {
     try {
@@ -137,12 +148,16 @@ struct MotionDerivatives::Impl {
   springnet_host table;
   sdk::Host host;
   learning::StepSolver solver;
+  bool same_at_both;  // accelerations at a time, as the end of a step and as the start of the next one
   double theta;
+  double accuracy = default_accuracy;
   std::size_t steps, nodes = 0;
   std::string start;
   std::vector<State> states;  // of the last run
   VectorXd dp, dv;            // the change of a state, or derivatives of the loss by it
   VectorXd rhs, product, other, solution, work;
+  VectorXd weights;                  // of the accelerations at a state
+  VectorXd pending;                  // those that the step after a state has for its start; empty: none
   MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
 };
 
@@ -243,45 +258,69 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
   }
 }
 
-// dp and dv are derivatives by the end of the step before, and by its start after it.
-void MotionDerivatives::Impl::step_backwards(const Step& step) {
-  host.begin_step(step.from.time, step.until.time);
+// What a step has for the accelerations at its start, at the derivatives of that state which are at hand. dp and dv are
+// derivatives by this state.
+void MotionDerivatives::Impl::add_start() {
+  host.jacobian_transposed_times(pending.data(), product.data(), other.data());
+  dp += product;
+  dv += other;
+  weights += pending;
+  pending.resize(0);
+}
+
+void MotionDerivatives::Impl::step_backwards(std::size_t k) {
+  const Step own = step(k);
+  const springnet_evaluation end = evaluation(own.until);
+  weights.setZero(size());
+  // The accelerations at the start of the next step have other loads than those at the end of this one.
+  if (pending.size() > 0 && !same_at_both) {
+    const Step next = step(k + 1);
+    host.begin_step(next.from.time, next.until.time);
+    host.linearise(end);
+    add_start();
+    learned.add_cotangent(host, end, weights.data());
+    weights.setZero();
+  }
+  host.begin_step(own.from.time, own.until.time);
+  solver.prepare(end, own.w);
+  if (pending.size() > 0) add_start();
   clear_pinned(dp);
   clear_pinned(dv);
-  const springnet_evaluation end = evaluation(step.until);
-  solver.prepare(end, step.w);
-  rhs = dv + step.w * dp;
+  rhs = dv + own.w * dp;
   solver.solve_transposed(rhs, accuracy, solution);
   host.jacobian_transposed_times(solution.data(), product.data(), other.data());
-  rhs = step.w * solution;
-  learned.add_cotangent(host, end, rhs.data());
-  dp += step.w * product;
-  dv = solution + step.c * dp;
-  if (step.c > 0.0) {
-    const springnet_evaluation begin = evaluation(step.from);
-    host.linearise(begin);
-    host.jacobian_transposed_times(solution.data(), product.data(), other.data());
-    rhs = step.c * solution;
-    learned.add_cotangent(host, begin, rhs.data());
-    dp += step.c * product;
-    dv += step.c * other;
-  }
+  weights += own.w * solution;
+  learned.add_cotangent(host, end, weights.data());
+  dp += own.w * product;
+  dv = solution + own.c * dp;
   clear_pinned(dp);
   clear_pinned(dv);
+  if (own.c > 0.0) pending = own.c * solution;
 }
 
 VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
   learned.begin_cotangent();
   dp.setZero();
   dv.setZero();
+  pending.resize(0);
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
   for (std::size_t k = states.size(); k-- > 0;) {
     StateChange own{zero, zero};
     add(k, own);
     add_from_user_order(own.positions, dp);
     add_from_user_order(own.velocities, dv);
-    if (k > 0) with_messages([&] { step_backwards(step(k)); });
+    if (k > 0) with_messages([&] { step_backwards(k); });
   }
+  if (pending.size() > 0)
+    with_messages([&] {
+      const springnet_evaluation start_state = evaluation(states.front());
+      host.begin_step(states[0].time, states[1].time);
+      host.linearise(start_state);
+      weights.setZero(size());
+      add_start();
+      learned.add_cotangent(host, start_state, weights.data());
+    });
+  clear_pinned(dv);
   return learned.cotangent(dv);
 }
 
@@ -310,6 +349,11 @@ Eigen::Matrix3Xd MotionDerivatives::velocities(std::size_t state) const {
   return impl_->in_user_order(impl_->states.at(state).v);
 }
 void MotionDerivatives::tangent(const MatrixXd& changes, const StateTangents& told) { impl_->tangent(changes, told); }
+void MotionDerivatives::set_accuracy(double relative) {
+  if (!(relative > 0.0 && relative < 1.0))
+    throw Error(ErrorKind::input, fmt::format("learning: an accuracy of {} is not between 0 and 1", relative));
+  impl_->accuracy = relative;
+}
 VectorXd MotionDerivatives::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
   return impl_->adjoint(add);
 }

@@ -1,5 +1,6 @@
 #include "learning/step_solver.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace springnet::learning {
@@ -9,8 +10,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Eigen::Index most_iterations = 40;
-// Of the host's solver in each of them: as many digits as one of its own iterations costs little for.
-constexpr double inner_accuracy = 1e-3;
+// Without a preconditioner: more than these take longer than to prepare one. It is tried again after some steps.
+constexpr Eigen::Index most_plain = 12;
+constexpr int steps_until_tried = 20;
+// The host's solver need not be more accurate than what it leaves even if it is exact; and it may be better in steps to
+// come.
+constexpr double loosest_inner = 0.03, tightest_inner = 1e-12, forgetting = 0.5;
 // A factorisation takes as long as so many solutions by iteration, in nets of up to so many nodes.
 constexpr Eigen::Index solutions_worth_factors = 20;
 constexpr std::size_t most_nodes_factorised = 1000;
@@ -27,13 +32,12 @@ void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index 
     pinned_[i] = network.fixed[i % n] | network.held[i % n];
   }
   w_ = w;
-  factorised_ = false;
+  factorised_ = prepared_ = false;
+  if (prepared_steps_ > 0) --prepared_steps_;
   host_.linearise(at);
   if (solutions >= solutions_worth_factors && n <= most_nodes_factorised) {
     host_.factorise(w, w * w);
     factorised_ = true;
-  } else {
-    host_.prepare_system({w, w * w});
   }
   for (VectorXd* each : {&work_, &by_position_, &by_velocity_}) each->resize(static_cast<Eigen::Index>(3 * n));
 }
@@ -50,10 +54,11 @@ void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x)
     out = in - w_ * by_position_;
     clear_pinned(out);
   };
-  const auto preconditioner = [this](const VectorXd& in, VectorXd& out) {
-    static_cast<void>(host_.solve_system(in.data(), inner_accuracy, out.data()));
+  const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) {
+    static_cast<void>(host_.solve_system(in.data(), inner, out.data()));
   };
-  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, x)) directly(right_side, false, x);
+  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, mismatch_, x))
+    directly(right_side, false, x);
 }
 
 void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, VectorXd& x) {
@@ -63,32 +68,50 @@ void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, V
     out = in - w_ * by_velocity_ - (w_ * w_) * by_position_;
     clear_pinned(out);
   };
-  const auto preconditioner = [&](const VectorXd& in, VectorXd& out) {
+  const auto preconditioner = [&](const VectorXd& in, double inner, VectorXd& out) {
     work_ = in.cwiseQuotient(mass);
-    static_cast<void>(host_.solve_system(work_.data(), inner_accuracy, out.data()));
+    static_cast<void>(host_.solve_system(work_.data(), inner, out.data()));
     out = out.cwiseProduct(mass);
   };
-  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, x)) directly(right_side, true, x);
+  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, transposed_mismatch_, x))
+    directly(right_side, true, x);
+}
+
+bool StepSolver::iterate(const Map& matrix, const Preconditioner& solver, const VectorXd& right_side, double accuracy,
+                         double& mismatch, VectorXd& x) {
+  if (!prepared_ && prepared_steps_ == 0) {
+    double none = 0.0;
+    if (iterate(matrix, nullptr, most_plain, right_side, accuracy, none, x)) return true;
+    prepared_steps_ = steps_until_tried;
+  }
+  if (!prepared_) host_.prepare_system({w_, w_ * w_});
+  prepared_ = true;
+  return iterate(matrix, &solver, most_iterations, right_side, accuracy, mismatch, x);
 }
 
 // Arnoldi's basis by modified Gram-Schmidt, least squares by Givens rotations. False: no convergence.
-bool StepSolver::iterate(const Map& matrix, const Map& preconditioner, const VectorXd& right_side, double accuracy,
-                         VectorXd& x) {
+bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner, Eigen::Index most,
+                         const VectorXd& right_side, double accuracy, double& mismatch, VectorXd& x) {
   const double size = right_side.norm();
   x.setZero(right_side.size());
   if (!(size > 0.0)) return size == 0.0;
   basis_.assign(1, right_side / size);
   images_.clear();
-  MatrixXd h = MatrixXd::Zero(most_iterations + 1, most_iterations);
-  VectorXd g = VectorXd::Zero(most_iterations + 1), cosine(most_iterations), sine(most_iterations);
+  MatrixXd h = MatrixXd::Zero(most + 1, most);
+  VectorXd g = VectorXd::Zero(most + 1), cosine(most), sine(most);
   g[0] = size;
   Eigen::Index count = 0;
   bool settled = false;
   VectorXd next(right_side.size());
-  while (count < most_iterations && !settled) {
+  while (count < most && !settled) {
     const Eigen::Index k = count++;
     images_.emplace_back(right_side.size());
-    preconditioner(basis_.back(), images_.back());
+    const double left = std::abs(g[k]);
+    const double inner = std::clamp(std::max(mismatch, 0.3 * accuracy * size / left), tightest_inner, loosest_inner);
+    if (preconditioner != nullptr)
+      (*preconditioner)(basis_.back(), inner, images_.back());
+    else
+      images_.back() = basis_.back();
     if (!images_.back().allFinite()) return false;
     matrix(images_.back(), next);
     for (Eigen::Index i = 0; i <= k; ++i) {
@@ -110,10 +133,13 @@ bool StepSolver::iterate(const Map& matrix, const Map& preconditioner, const Vec
     g[k + 1] = -sine[k] * g[k];
     g[k] *= cosine[k];
     settled = std::abs(g[k + 1]) <= accuracy * size;
+    const double reduction = std::abs(g[k + 1]) / left;
+    if (reduction > 3.0 * inner) mismatch = std::max(mismatch, reduction);
     if (!settled && !(length > 0.0)) return false;
     if (!settled) basis_.push_back(next / length);
   }
   if (!settled) return false;
+  mismatch *= forgetting;
   const VectorXd weights = h.topLeftCorner(count, count).triangularView<Eigen::Upper>().solve(g.head(count));
   for (Eigen::Index i = 0; i < count; ++i) x += weights[i] * images_[static_cast<std::size_t>(i)];
   clear_pinned(x);

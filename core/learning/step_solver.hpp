@@ -10,7 +10,8 @@
 
 namespace springnet::learning {
 
-// Flexible GMRES (Saad, SIAM J. Sci. Comput. 14, 1993), preconditioned by the host's own solver of the step: it solves
+// GMRES, of short steps without a preconditioner: where sweeps of the network settle, so does it. Else flexible GMRES
+// (Saad, SIAM J. Sci. Comput. 14, 1993), preconditioned by the host's own solver of the step: it solves
 // A x = b, and A^T y = b as y = M x with A x = M^-1 b, exactly where M A is symmetric, as of nets with potentials and
 // damping along relative velocities. Other damping leaves a few iterations. Vectors have 3 node numbers, x of all nodes
 // first.
@@ -27,8 +28,13 @@ class StepSolver {
 
  private:
   using Map = std::function<void(const Eigen::VectorXd& in, Eigen::VectorXd& out)>;
-  [[nodiscard]] bool iterate(const Map& matrix, const Map& preconditioner, const Eigen::VectorXd& right_side,
-                             double accuracy, Eigen::VectorXd& x);
+  using Preconditioner = std::function<void(const Eigen::VectorXd& in, double accuracy, Eigen::VectorXd& out)>;
+  // preconditioner: null: none.
+  [[nodiscard]] bool iterate(const Map& matrix, const Preconditioner* preconditioner, Eigen::Index most,
+                             const Eigen::VectorXd& right_side, double accuracy, double& mismatch, Eigen::VectorXd& x);
+  // With the host's solver, or without.
+  [[nodiscard]] bool iterate(const Map& matrix, const Preconditioner& solver, const Eigen::VectorXd& right_side,
+                             double accuracy, double& mismatch, Eigen::VectorXd& x);
   void directly(const Eigen::VectorXd& right_side, bool transposed, Eigen::VectorXd& x);
   void clear_pinned(Eigen::VectorXd& values) const;
 
@@ -36,7 +42,10 @@ class StepSolver {
   double w_ = 0.0;
   std::vector<double> mass_;          // [3 node]
   std::vector<std::uint8_t> pinned_;  // [3 node]
-  bool factorised_ = false;
+  bool factorised_ = false, prepared_ = false;
+  int prepared_steps_ = 0;  // for which no other way is tried
+  // What an exact solution by the preconditioner leaves of the residual, of A and of its transpose, as far as known.
+  double mismatch_ = 0.0, transposed_mismatch_ = 0.0;
   std::vector<Eigen::VectorXd> basis_, images_;
   Eigen::VectorXd work_, by_position_, by_velocity_;
 };

@@ -61,6 +61,10 @@ class SPRINGNET_API MotionDerivatives {
   // a step fails, or has what cannot be differentiated; the trajectory before is then kept.
   void run(const Eigen::VectorXd& values);
 
+  // Of the linear systems of derivatives, relative to their right-hand sides [1e-10]: derivatives are good to about this,
+  // times how much a disturbance grows in the steps that follow. Throws Error(input) unless it is between 0 and 1.
+  void set_accuracy(double relative);
+
   // Of the last run: states 0 (the start) to step_count().
   [[nodiscard]] std::size_t step_count() const noexcept;
   [[nodiscard]] double time(std::size_t state) const;
