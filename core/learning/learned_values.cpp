@@ -136,6 +136,16 @@ std::vector<double> LearnedSets::values_of(const Set& set, const Eigen::VectorXd
 }
 
 void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) const {
+  set_without_start(simulation, values);
+  for (const Set& set : sets_) {
+    if (!set.is_velocity()) continue;
+    const std::vector<double> own = values_of(set, values);
+    for (std::size_t i = 0; i < set.what.members.size(); ++i)
+      simulation.set_velocity(set.what.members[i], {own[3 * i], own[3 * i + 1], own[3 * i + 2]});
+  }
+}
+
+void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const {
   for (const Set& set : sets_) {
     const LearnedValues& what = set.what;
     if (what.members.empty()) continue;
@@ -161,8 +171,7 @@ void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) con
         simulation.set_neuron_parameter(what.members, what.parameter, own);
         break;
       case Kind::initial_velocity:
-        for (std::size_t i = 0; i < what.members.size(); ++i)
-          simulation.set_velocity(what.members[i], {own[3 * i], own[3 * i + 1], own[3 * i + 2]});
+        break;
     }
   }
 }

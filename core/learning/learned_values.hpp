@@ -26,6 +26,8 @@ class LearnedSets {
   void check(const Eigen::VectorXd& values) const;
   // At the start. Throws Error(input) for values that laws, neurons or masses cannot have.
   void set(Simulation& simulation, const Eigen::VectorXd& values) const;
+  // Of a motion on its way, whose start is over.
+  void set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const;
   void set(Engine& engine, const Eigen::VectorXd& values) const;
 
   // Changes of accelerations, [3 node], for that of the values.

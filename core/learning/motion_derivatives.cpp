@@ -128,7 +128,11 @@ struct MotionDerivatives::Impl {
   void run(const VectorXd& values);
   void record(std::vector<State>& to) const;
   void check_step() const;
+  void begin_tangent(const MatrixXd& directions);
+  [[nodiscard]] MatrixXd columns_in_user_order(const MatrixXd& values) const;
   void tangent(const MatrixXd& directions, const StateTangents& told);
+  void begin_steps(const VectorXd& values, const MatrixXd& directions);
+  void make_step(const VectorXd& values, const MatrixXd& directions);
   VectorXd adjoint(const std::function<void(std::size_t, StateChange&)>& add);
   void step_forwards(const Step& step);
   void step_backwards(std::size_t k);
@@ -159,6 +163,7 @@ struct MotionDerivatives::Impl {
   VectorXd weights;                  // of the accelerations at a state
   VectorXd pending;                  // those that the step after a state has for its start; empty: none
   MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
+  MatrixXd dps_before, dvs_before;   // at the start of the step made last
 };
 
 void MotionDerivatives::Impl::record(std::vector<State>& to) const {
@@ -236,7 +241,7 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
   }
 }
 
-void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTangents& told) {
+void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
   for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
   changes = directions;
   dps.setZero(size(), directions.cols());
@@ -246,16 +251,52 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
     learned.start_velocity(directions.col(j), product);
     dvs.col(j) = product;
   }
-  MatrixXd positions(size(), directions.cols()), velocities(size(), directions.cols());
+}
+
+MatrixXd MotionDerivatives::Impl::columns_in_user_order(const MatrixXd& values) const {
+  MatrixXd result(values.rows(), values.cols());
+  for (Eigen::Index j = 0; j < values.cols(); ++j) result.col(j) = in_user_order(values.col(j)).reshaped();
+  return result;
+}
+
+void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTangents& told) {
+  begin_tangent(directions);
   for (std::size_t k = 0;; ++k) {
-    for (Eigen::Index j = 0; j < directions.cols(); ++j) {
-      positions.col(j) = in_user_order(dps.col(j)).reshaped();
-      velocities.col(j) = in_user_order(dvs.col(j)).reshaped();
-    }
-    told(k, positions, velocities);
+    told(k, columns_in_user_order(dps), columns_in_user_order(dvs));
     if (k + 1 >= states.size()) return;
     with_messages([&] { step_forwards(step(k + 1)); });
   }
+}
+
+void MotionDerivatives::Impl::begin_steps(const VectorXd& values, const MatrixXd& directions) {
+  learned.check(values);
+  simulation.restore(start);
+  learned.set(simulation, values);
+  learned.set(engine, values);
+  begin_tangent(directions);
+  dps_before = dps;
+  dvs_before = dvs;
+  states.clear();
+  record(states);
+  record(states);
+}
+
+void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& directions) {
+  if (states.size() != 2 || directions.cols() != dps.cols())
+    throw Error(ErrorKind::input, "learning: steps are made after begin_steps(), with as many changes");
+  learned.check(values);
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
+  learned.set_without_start(simulation, values);
+  std::vector<State> made{states[1]};
+  simulation.step();
+  check_step();
+  record(made);
+  learned.set(engine, values);
+  states = std::move(made);
+  changes = directions;
+  dps_before = dps;
+  dvs_before = dvs;
+  with_messages([&] { step_forwards(step(1)); });
 }
 
 // What a step has for the accelerations at its start, at the derivatives of that state which are at hand. dp and dv are
@@ -353,6 +394,16 @@ void MotionDerivatives::set_accuracy(double relative) {
   if (!(relative > 0.0 && relative < 1.0))
     throw Error(ErrorKind::input, fmt::format("learning: an accuracy of {} is not between 0 and 1", relative));
   impl_->accuracy = relative;
+}
+void MotionDerivatives::begin_steps(const VectorXd& values, const MatrixXd& changes) {
+  impl_->begin_steps(values, changes);
+}
+void MotionDerivatives::make_step(const VectorXd& values, const MatrixXd& changes) {
+  impl_->make_step(values, changes);
+}
+void MotionDerivatives::step_tangents(std::size_t state, MatrixXd& positions, MatrixXd& velocities) const {
+  positions = impl_->columns_in_user_order(state == 0 ? impl_->dps_before : impl_->dps);
+  velocities = impl_->columns_in_user_order(state == 0 ? impl_->dvs_before : impl_->dvs);
 }
 VectorXd MotionDerivatives::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
   return impl_->adjoint(add);

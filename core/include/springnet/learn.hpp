@@ -102,6 +102,42 @@ struct LearnedNet {
                                              const std::vector<Learnable>& learnables,
                                              const LearnOptions& options = {});
 
+struct OnlineOptions {
+  // Above 0 to 1: share of the difference after a step that its gradient step would have taken away. Differences are
+  // those that earlier values left, too: learn slowly compared with what the motion forgets in a step, or values swing.
+  double rate = 0.05;
+  std::size_t memory = std::size_t{1} << 30;  // bytes that sensitivities may take: 96 for each variable and node, about
+};
+
+// The paper's own method (section 3.5): the net learns while it moves, one gradient step after each time step, by
+// real-time recurrent learning. Its error is that of a motion on which values have changed on the way; learn() is
+// more accurate where a whole motion is at hand. The gradient step is divided by the greatest square of sensitivities
+// so far, so that it cannot blow up.
+class SPRINGNET_API OnlineLearner {
+ public:
+  // Throws as learn(), and Error(input) if the sensitivities need more memory.
+  OnlineLearner(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+                const SimulationOptions& simulation, const std::vector<Learnable>& learnables,
+                const OnlineOptions& options = {});
+  ~OnlineLearner();
+  OnlineLearner(OnlineLearner&&) noexcept;
+  OnlineLearner& operator=(OnlineLearner&&) noexcept;
+  OnlineLearner(const OnlineLearner&) = delete;
+  OnlineLearner& operator=(const OnlineLearner&) = delete;
+
+  // Makes a time step, and learns from what was observed in it: rows at times after its start, up to its end; may be
+  // empty. Returns 1/2 sum of the weighted squares of the differences. Throws Error(input) for other times and as
+  // check_observations(), Error(simulation) if the step fails or cannot be differentiated.
+  double step(const Observations& seen);
+
+  [[nodiscard]] double time() const noexcept;                    // s, of the last state
+  [[nodiscard]] const Eigen::VectorXd& values() const noexcept;  // as of MotionDerivatives
+
+ private:
+  struct SPRINGNET_LOCAL Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 // The network with values that were learned.
 [[nodiscard]] SPRINGNET_API Network with_values(const std::shared_ptr<const Network>& network,
                                                 std::shared_ptr<const PluginHost> plugins,

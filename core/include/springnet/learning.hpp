@@ -61,8 +61,9 @@ class SPRINGNET_API MotionDerivatives {
   // a step fails, or has what cannot be differentiated; the trajectory before is then kept.
   void run(const Eigen::VectorXd& values);
 
-  // Of the linear systems of derivatives, relative to their right-hand sides [1e-10]: derivatives are good to about this,
-  // times how much a disturbance grows in the steps that follow. Throws Error(input) unless it is between 0 and 1.
+  // Of the linear systems of derivatives, relative to their right-hand sides [1e-10]: derivatives are good to about
+  // this, times how much a disturbance grows in the steps that follow. Throws Error(input) unless it is between 0
+  // and 1.
   void set_accuracy(double relative);
 
   // Of the last run: states 0 (the start) to step_count().
@@ -86,6 +87,15 @@ class SPRINGNET_API MotionDerivatives {
   // Backwards: dL/d(values) of a loss L of the states. `add` adds the derivatives of L by a state to zeros, from the
   // last state to the first. Costs one transposed solve for each step, however many values there are.
   [[nodiscard]] Eigen::VectorXd adjoint(const std::function<void(std::size_t state, StateChange&)>& add);
+
+  // Real-time recurrent learning (Williams and Zipser, Neural Computation 1, 1989): step by step, with changes of the
+  // states for `changes` of the values carried along, 6 node numbers for each column. States 0 and 1 are then the start
+  // and the end of the step that was made last; before one is made, both are the start. Throws as run().
+  void begin_steps(const Eigen::VectorXd& values, const Eigen::MatrixXd& changes);
+  // values: with which this step is made; `changes` at them.
+  void make_step(const Eigen::VectorXd& values, const Eigen::MatrixXd& changes);
+  // Of state 0 or 1, as tangent() tells them.
+  void step_tangents(std::size_t state, Eigen::MatrixXd& positions, Eigen::MatrixXd& velocities) const;
 
  private:
   struct SPRINGNET_LOCAL Impl;

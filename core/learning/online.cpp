@@ -1,0 +1,104 @@
+// The paper's learning while the net moves.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/learn.hpp>
+
+#include "learning/observed_motion.hpp"
+#include "learning/variables.hpp"
+
+namespace springnet {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables) {
+  std::vector<LearnedValues> result;
+  for (const Learnable& each : learnables) result.push_back(each.values);
+  return result;
+}
+
+void check(const OnlineOptions& options, const Network& network, Eigen::Index variables) {
+  if (!(options.rate > 0.0 && options.rate <= 1.0))
+    throw Error(ErrorKind::input, fmt::format("learning: the rate is {}, must be above 0 and at most 1", options.rate));
+  // Positions and velocities of two states, in two orders.
+  const double bytes =
+      4.0 * 6.0 * sizeof(double) * static_cast<double>(network.nodes().size()) * static_cast<double>(variables);
+  if (bytes > static_cast<double>(options.memory))
+    throw Error(
+        ErrorKind::input,
+        fmt::format("learning: sensitivities of {} nodes by {} variables take {:.3g} GiB, more than {:.3g}; learn "
+                    "values together, or from the whole motion, whose gradient needs no sensitivities",
+                    network.nodes().size(), variables, bytes / (1 << 30),
+                    static_cast<double>(options.memory) / (1 << 30)));
+}
+
+}  // namespace
+
+struct OnlineLearner::Impl {
+  Impl(const std::shared_ptr<const Network>& net, const std::shared_ptr<const PluginHost>& plugins,
+       const SimulationOptions& simulation, const std::vector<Learnable>& learnables, const OnlineOptions& given)
+      : options(given),
+        nodes(net->nodes().size()),
+        motion(net, plugins, simulation, simulation.time_step, values_of(learnables)),
+        variables(*net, *plugins, learnables, motion.values_of_network()),
+        x(variables.start()),
+        values(variables.values(x)) {
+    check(options, *net, variables.count());
+    scale = VectorXd::Ones(variables.count());
+    for (Eigen::Index k = 0; k < x.size(); ++k)
+      if (!variables.is_logarithmic(k) && x[k] != 0.0) scale[k] = std::abs(x[k]);
+    motion.begin_steps(values, changes());
+  }
+
+  // Of the values, for changes of the variables in units of their scale.
+  [[nodiscard]] MatrixXd changes() const { return variables.times(x, MatrixXd(scale.asDiagonal())); }
+
+  double step(const Observations& seen) {
+    motion.make_step(values, changes());
+    if (seen.times().empty()) return 0.0;
+    check_observations(seen, nodes, motion.time(0), motion.time(1));
+    learning::ObservedMotion observed(seen, {motion.time(0), motion.time(1)});
+    VectorXd residuals = VectorXd::Zero(observed.count());
+    observed.residuals(motion, residuals);
+    MatrixXd jacobian = MatrixXd::Zero(observed.count(), variables.count()), positions, velocities;
+    for (const std::size_t state : {0, 1}) {
+      motion.step_tangents(state, positions, velocities);
+      observed.add_tangent(state, positions, velocities, jacobian);
+    }
+    greatest = std::max(greatest, jacobian.squaredNorm());
+    if (greatest > 0.0) {
+      x -= options.rate / greatest * scale.cwiseProduct(jacobian.transpose() * residuals);
+      x = x.cwiseMax(variables.lower()).cwiseMin(variables.upper());
+      values = variables.values(x);
+    }
+    return 0.5 * residuals.squaredNorm();
+  }
+
+  OnlineOptions options;
+  std::size_t nodes;
+  MotionDerivatives motion;
+  learning::Variables variables;
+  VectorXd x, values, scale;
+  double greatest = 0.0;  // square of the sensitivities of a step
+};
+
+OnlineLearner::OnlineLearner(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+                             const SimulationOptions& simulation, const std::vector<Learnable>& learnables,
+                             const OnlineOptions& options) {
+  if (!network) throw Error(ErrorKind::input, "learning: there is no network");
+  impl_ = std::make_unique<Impl>(network, plugins, simulation, learnables, options);
+}
+OnlineLearner::~OnlineLearner() = default;
+OnlineLearner::OnlineLearner(OnlineLearner&&) noexcept = default;
+OnlineLearner& OnlineLearner::operator=(OnlineLearner&&) noexcept = default;
+double OnlineLearner::step(const Observations& seen) { return impl_->step(seen); }
+double OnlineLearner::time() const noexcept { return impl_->motion.time(1); }
+const VectorXd& OnlineLearner::values() const noexcept { return impl_->values; }
+
+}  // namespace springnet

@@ -1,0 +1,132 @@
+// Learning while the net moves: sensitivities against the tangent, costs that fall, limits of memory.
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+
+#include "learning_nets.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+using Kind = LearnedValues::Kind;
+
+namespace {
+
+// A chain that hangs in a viscous fluid and is driven at its end: what was learned wrongly at first is forgotten.
+Network driven(double stiffness, double damping) {
+  Network net = chain(6, {0, 0, 0}, {0, 0, -1}, damped(stiffness, damping));
+  const auto dragged = net.add_neuron({"dragged", {{"drag", 1.0}}});
+  for (NodeIndex k = 0; k < 6; ++k) {
+    Node node = net.nodes()[k];
+    node.neuron = dragged;
+    net.set_node(k, node);
+  }
+  net.fix(0);
+  net.set_gravity({0, 0, -2});
+  Load load;
+  load.nodes = {5};
+  load.force = {0.3, 0.2, 1.0};
+  load.course.frequency = 0.4;
+  net.add_load(load);
+  return net;
+}
+
+Observations at_the_end(const Simulation& simulation) {
+  Observations result;
+  for (NodeIndex k = 1; k < 6; ++k) result.positions.push_back(row(simulation.time(), k, simulation.position(k)));
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("sensitivities that are carried along are those of the whole motion") {
+  const auto net = std::make_shared<const Network>(driven(30.0, 1.0));
+  for (const double theta : {1.0, 0.5}) {
+    const auto make = [&] {
+      return MotionDerivatives(net, plugins(), to_learn_with(theta, 0.05), 0.5,
+                               {{Kind::spring_parameter, false, "stiffness", from_to(0, 5)},
+                                {Kind::initial_velocity, false, "", from_to(1, 6)}});
+    };
+    MotionDerivatives whole = make(), online = make();
+    const Eigen::VectorXd values = whole.values_of_network();
+    const Eigen::MatrixXd changes = Eigen::MatrixXd::Identity(values.size(), values.size());
+    whole.run(values);
+    std::vector<Eigen::MatrixXd> at_all;
+    whole.tangent(changes, [&](std::size_t, const Eigen::MatrixXd& positions, const Eigen::MatrixXd&) {
+      at_all.push_back(positions);
+    });
+    online.begin_steps(values, changes);
+    Eigen::MatrixXd positions, velocities;
+    for (std::size_t k = 1; k <= whole.step_count(); ++k) {
+      online.make_step(values, changes);
+      // A step after values were set starts from no guess, and ends within the tolerance of the other one.
+      CHECK((online.positions(1) - whole.positions(k)).norm() <= 1e-12);
+      for (const std::size_t end : {0, 1}) {
+        online.step_tangents(end, positions, velocities);
+        CHECK((positions - at_all[k - 1 + end]).norm() <= 1e-9 * (1.0 + at_all[k].norm()));
+      }
+    }
+  }
+}
+
+TEST_CASE("the paper's method lowers the cost while the net moves, and does not find what acts little") {
+  const SimulationOptions options = to_learn_with(0.5, 0.05);
+  const auto guess = std::make_shared<const Network>(driven(24.0, 0.8));
+  const std::vector<Learnable> together{{{Kind::spring_parameter, false, "stiffness", from_to(0, 5)}, true},
+                                        {{Kind::viscosity_parameter, false, "damping", from_to(0, 5)}, true}};
+  Simulation real(driven(30.0, 1.0), plugins(), options), untaught(*guess, plugins(), options);
+  OnlineLearner learner(guess, plugins(), options, together);
+  Observations all;
+  double late = 0.0, late_untaught = 0.0;
+  for (int i = 0; i < 1200; ++i) {
+    real.step();
+    untaught.step();
+    const Observations seen = at_the_end(real);
+    if (i < 100) all.append(seen);
+    const double cost = learner.step(seen);
+    CHECK(learner.time() == real.time());
+    if (i < 1100) continue;
+    late += cost;
+    for (const Observations::VectorRow& each : seen.positions)
+      late_untaught += 0.5 * (untaught.position(each.node) - each.value).squaredNorm();
+  }
+  CHECK(late < 1e-3 * late_untaught);
+  CHECK(learner.values()[0] == doctest::Approx(30.0).epsilon(0.01));
+  // Its gradient is small beside that of the stiffness: steepest descent hardly moves it, in contrast to learn().
+  CHECK(learner.values()[5] < 0.95);
+  const LearnedNet whole = learn({{guess, options, all}}, plugins(), together);
+  CHECK(whole.parameters[0].value == doctest::Approx(30.0).epsilon(1e-6));
+  CHECK(whole.parameters[5].value == doctest::Approx(1.0).epsilon(1e-6));
+  // Nothing observed: a step without a lesson.
+  const Eigen::VectorXd before = learner.values();
+  CHECK(learner.step({}) == 0.0);
+  CHECK(learner.values() == before);
+}
+
+TEST_CASE("online learning refuses sensitivities beyond its memory, and times of other steps") {
+  const auto net = std::make_shared<const Network>(driven(24.0, 0.8));
+  const std::vector<Learnable> each{{{Kind::spring_parameter, false, "stiffness", from_to(0, 5)}}};
+  const auto refusal = [&](const OnlineOptions& options, double time) {
+    try {
+      OnlineLearner learner(net, plugins(), to_learn_with(0.5, 0.05), each, options);
+      Observations seen;
+      seen.positions.push_back(row(time, 1, {1, 0, 0}));
+      learner.step(seen);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal({}, 0.03).empty());
+  OnlineOptions small;
+  small.memory = 4 * 6 * 8 * 6 * 5 - 1;
+  CHECK(refusal(small, 0.03).find("sensitivities of 6 nodes by 5 variables") != std::string::npos);
+  OnlineOptions fast;
+  fast.rate = 1.5;
+  CHECK(refusal(fast, 0.03).find("the rate is 1.5") != std::string::npos);
+  CHECK(refusal({}, 0.3).find("0.3") != std::string::npos);
+}
