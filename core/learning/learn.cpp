@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -41,6 +43,20 @@ class Problem final : public learning::LeastSquares {
   learning::Fit& fit_;
 };
 
+// What was observed in [from, until], s.
+Observations part_of(const Observations& all, double from, double until) {
+  Observations part;
+  part.files = all.files;
+  const auto copy = [&](const auto& rows, auto& to) {
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(to),
+                 [&](const auto& row) { return row.time >= from && row.time <= until; });
+  };
+  copy(all.positions, part.positions);
+  copy(all.velocities, part.velocities);
+  copy(all.distances, part.distances);
+  return part;
+}
+
 // What was observed in this share of the time; empty: of an experiment nothing.
 std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, double share) {
   std::vector<Experiment> result;
@@ -48,11 +64,8 @@ std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, d
     const std::vector<double> all = each.observations.times();
     const double until = share * all.back();
     if (!(until > 0.0) || all.front() > until) return {};
-    Experiment part{each.network, each.options, each.observations};
-    const auto is_later = [until](const auto& row) { return row.time > until; };
-    std::erase_if(part.observations.positions, is_later);
-    std::erase_if(part.observations.velocities, is_later);
-    std::erase_if(part.observations.distances, is_later);
+    Experiment part{each.network, each.options, {}};
+    part.observations = part_of(each.observations, 0.0, until);
     result.push_back(std::move(part));
   }
   return result;
@@ -191,6 +204,43 @@ LearnedNet learn(const std::vector<Experiment>& experiments, std::shared_ptr<con
   const VectorXd shift =
       shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals, result.notes);
   describe(result, variables, minimum.x, &certainty, scale, shift);
+  return result;
+}
+
+LearnedNet learn_online(const Experiment& experiment, std::shared_ptr<const PluginHost> plugins,
+                        const std::vector<Learnable>& learnables, const OnlineOptions& options,
+                        const std::function<bool(const LearnProgress&)>& on_step) {
+  if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
+  learning::Fit fit({experiment}, plugins, learnables, 0.0);  // checks, and judges at the end
+  const learning::Variables& variables = fit.variables();
+  OnlineLearner learner(experiment.network, plugins, experiment.options, learnables, options);
+  LearnedNet result;
+  result.reason = "The motion was gone through once.";
+  const double last = experiment.observations.times().back();
+  constexpr double rounding = 1e-6;  // of a step
+  const double slack = rounding * experiment.options.time_step;
+  for (int step = 1; learner.time() < last - slack; ++step) {
+    const double from = learner.time(), until = from + experiment.options.time_step + slack;
+    const Observations seen = part_of(experiment.observations, step == 1 ? from : from + slack, until);
+    const double cost = learner.step(seen), count = static_cast<double>(seen.value_count());
+    if (!(count > 0.0)) continue;
+    LearnProgress now{step, learner.time() / last, cost, std::sqrt(2.0 * cost / count), {}};
+    result.history.push_back(now);
+    now.values = learner.values();
+    if (!on_step || on_step(now)) continue;
+    result.reason = "It was stopped; the values are those until then.";
+    break;
+  }
+  result.values = learner.values();
+  result.observed = fit.observed();
+  result.variables = static_cast<std::size_t>(variables.count());
+  result.start_cost = 0.5 * fit.residuals(variables.start()).squaredNorm();
+  const VectorXd residuals = fit.residuals(learner.variables());
+  result.cost = 0.5 * residuals.squaredNorm();
+  result.rms = rms_of(residuals, fit.observed());
+  if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
+  result.parameters = list_parameters(learnables);
+  describe(result, variables, learner.variables(), nullptr, fit.scale(), {});
   return result;
 }
 

@@ -99,6 +99,7 @@ OnlineLearner::OnlineLearner(OnlineLearner&&) noexcept = default;
 OnlineLearner& OnlineLearner::operator=(OnlineLearner&&) noexcept = default;
 double OnlineLearner::step(const Observations& seen) { return impl_->step(seen); }
 double OnlineLearner::time() const noexcept { return impl_->motion.time(1); }
+const VectorXd& OnlineLearner::variables() const noexcept { return impl_->x; }
 const VectorXd& OnlineLearner::values() const noexcept { return impl_->values; }
 
 }  // namespace springnet

@@ -45,6 +45,8 @@ struct LearnArguments {
   OutputArguments output;
   std::vector<std::filesystem::path> observations;
   std::vector<std::string> parameters;
+  std::string method = "trajectory";
+  double rate = OnlineOptions{}.rate;
   int iterations = 100;
   double guess_weight = 0.0;
 };
@@ -79,7 +81,7 @@ std::string table_of(const LearnedNet& learned) {
       ++left_out;
       continue;
     }
-    std::string interval = "not determined";
+    std::string interval = std::isfinite(each.determined) ? "not determined" : "not known";
     if (std::isfinite(each.upper)) interval = fmt::format("{:.6g} to {:.6g}", each.lower, each.upper);
     if (each.at_bound) interval += ", at its bound";
     rows.push_back({name_of_value(each), fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
@@ -126,7 +128,11 @@ int run(const LearnArguments& arguments) {
                  100.0 * now.share, now.cost, now.rms);
     return !interrupted();
   };
-  LearnedNet learned = learn({experiment}, host, learnables, options);
+  OnlineOptions online;
+  online.rate = arguments.rate;
+  LearnedNet learned = arguments.method == "online" ? learn_online(experiment, host, learnables, online,
+                                                                   [](const LearnProgress&) { return !interrupted(); })
+                                                    : learn({experiment}, host, learnables, options);
   std::vector<std::string> notes = arguments.scene.plugins.notes(*host, scene);
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   learned.notes.insert(learned.notes.begin(), notes.begin(), notes.end());
@@ -159,6 +165,15 @@ void add_learn(CLI::App& app, Action& action) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->required();
+  command
+      ->add_option(
+          "--method", arguments->method,
+          "trajectory: the whole motion, until the differences are least; online: once through the motion, one "
+          "gradient step after each time step, as in the paper [trajectory]")
+      ->check(CLI::IsMember({"trajectory", "online"}));
+  command->add_option("--rate", arguments->rate, "Of --method online: how far each gradient step goes [0.05]")
+      ->type_name("R")
+      ->check(number_between(above_zero, 1.0));
   command->add_option("--iterations", arguments->iterations, "The most iterations of the search [100]")
       ->type_name("N")
       ->check(number_between(0, 1e6));

@@ -59,6 +59,12 @@ TEST_CASE("learn finds the values of a run, and writes a scene that runs with th
   };
   CHECK(height("again/trajectory.csv") == doctest::Approx(height("seen/trajectory.csv")).epsilon(1e-8));
   CHECK(height("seen/trajectory.csv") < -0.05);
+  const Answer online =
+      testing::springnet(folder, learn + "spring.stiffness:together --method online --json -o online");
+  CAPTURE(online.err);
+  REQUIRE(online.status == 0);
+  CHECK(online.json()["cost"].get<double>() < 0.5 * online.json()["start_cost"].get<double>());
+  CHECK(online.json()["parameters"][0]["upper"].is_null());
   const auto quiet = testing::springnet(folder, learn + "spring.stiffness:together --json -o one");
   CHECK(quiet.status == 0);
   CHECK(quiet.err.empty());

@@ -132,11 +132,21 @@ class SPRINGNET_API OnlineLearner {
 
   [[nodiscard]] double time() const noexcept;                    // s, of the last state
   [[nodiscard]] const Eigen::VectorXd& values() const noexcept;  // as of MotionDerivatives
+  // What drives them, each by itself or by its logarithm.
+  [[nodiscard]] const Eigen::VectorXd& variables() const noexcept;
 
  private:
   struct SPRINGNET_LOCAL Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// The same over the motion of one experiment, once. The result has no intervals; its cost is that of the values at the
+// end, over the whole motion; `history` has the costs of the steps with observations.
+[[nodiscard]] SPRINGNET_API LearnedNet learn_online(const Experiment& experiment,
+                                                    std::shared_ptr<const PluginHost> plugins,
+                                                    const std::vector<Learnable>& learnables,
+                                                    const OnlineOptions& options = {},
+                                                    const std::function<bool(const LearnProgress&)>& on_step = {});
 
 // The network with values that were learned.
 [[nodiscard]] SPRINGNET_API Network with_values(const std::shared_ptr<const Network>& network,
