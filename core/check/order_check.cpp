@@ -76,7 +76,9 @@ double fastest_state(ReadyLaw& ready) {
   return fastest;
 }
 
-Eigen::Matrix3Xd end_of(const Network& net, const LawSubject& subject, const LawUse& integrator, double step) {
+// left: springs that are left then, where wanted.
+Eigen::Matrix3Xd end_of(const Network& net, const LawSubject& subject, const LawUse& integrator, double step,
+                        std::size_t* left = nullptr) {
   SimulationOptions options;
   options.time_step = step;
   options.integrator = integrator;
@@ -84,6 +86,7 @@ Eigen::Matrix3Xd end_of(const Network& net, const LawSubject& subject, const Law
   options.renumber = false;
   Simulation simulation(net, subject.host, options);
   simulation.advance_to(duration);
+  if (left != nullptr) *left = simulation.live_spring_count();
   return simulation.positions();
 }
 
@@ -129,7 +132,13 @@ Outcome check_order(const LawSubject& subject) {
   const Network net = chain(use, call.is_viscosity(), mass, rest);
   const LawUse cvode{"cvode", {{"relative_tolerance", 1e-11}}};
   now_doing("simulating a chain of five nodes with cvode");
-  const Eigen::Matrix3Xd exact = end_of(net, subject, cvode, duration);
+  std::size_t left = 0;
+  const Eigen::Matrix3Xd exact = end_of(net, subject, cvode, duration, &left);
+  if (left < net.springs().size())
+    return {Result::skipped,
+            fmt::format("{} of {} springs of the test's chain break, so that no order is seen; check the "
+                        "law with parameters with which springs last that are stretched by a tenth",
+                        net.springs().size() - left, net.springs().size())};
   std::string report;
   for (const double theta : {1.0, 0.5}) {
     now_doing("simulating a chain of five nodes with recurrent");

@@ -72,14 +72,18 @@ CheckedFile::CheckedFile(const OutputFile& file, const End& end, std::string_vie
       refuse("is no regular file of the folder");
     if (static_cast<std::uint64_t>(status.st_size) < end.offset)
       refuse(fmt::format("has {} bytes, and had {} at the checkpoint", status.st_size, end.offset));
-    if (ftruncate(descriptor_, static_cast<off_t>(end.offset)) != 0 ||
-        lseek(descriptor_, static_cast<off_t>(end.offset), SEEK_SET) < 0)
-      refuse(fmt::format("cannot be cut at the checkpoint: {}", std::strerror(errno)));
   } catch (...) {
     ::close(descriptor_);
     throw;
   }
   replace(nullptr, this);
+}
+
+void CheckedFile::go_on() {
+  const auto end = static_cast<off_t>(written_);
+  if (ftruncate(descriptor_, end) == 0 && lseek(descriptor_, end, SEEK_SET) >= 0) return;
+  throw Error(ErrorKind::input, fmt::format("{}: cannot be cut at the checkpoint: {}; run again without resuming",
+                                            file_.path().string(), std::strerror(errno)));
 }
 
 CheckedFile::~CheckedFile() {

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -10,12 +11,15 @@
 
 #include <springnet/printable.hpp>
 #include <springnet/version.hpp>
+#include <springnet/view.hpp>
 
 #include "files/input_file.hpp"
 #include "files/whole_file.hpp"
 #include "run/outputs.hpp"
 #include "run/record_times.hpp"
+#include "tables/table.hpp"
 #include "text/archive.hpp"
+#include "text/difference.hpp"
 #include "text/digest.hpp"
 #include "vtk/vtk_series.hpp"
 
@@ -23,7 +27,7 @@ namespace springnet {
 
 namespace {
 
-constexpr std::string_view heading = "springnet checkpoint 1\n";
+constexpr std::string_view heading = "springnet checkpoint 2\n";
 
 [[noreturn]] void refuse(const OutputFolder& folder, const std::string& what) {
   throw Error(ErrorKind::input, fmt::format("{}: {}", (folder.path() / checkpoint_file).string(), what));
@@ -37,6 +41,27 @@ void sync_files(const OutputFolder& folder) {
   ::close(descriptor);
 }
 
+// "12 (8d36788c): 0, 3, 4, …": with a checksum, as a list may be long.
+std::string list_text(const std::vector<std::uint32_t>& numbers, std::string_view none) {
+  if (numbers.empty()) return std::string(none);
+  const std::string_view bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(std::uint32_t));
+  std::string text = fmt::format("{} ({:08x})", numbers.size(), checksum(bytes));
+  constexpr std::size_t most = 20;
+  for (std::size_t k = 0; k < std::min(most, numbers.size()); ++k)
+    text += fmt::format("{} {}", k == 0 ? ":" : ",", numbers[k]);
+  return numbers.size() > most ? text + ", …" : text;
+}
+
+std::string names_of(const Scene& scene) {
+  std::string text;
+  const auto add = [&text](const std::string& name) { text += (text.empty() ? "" : ", ") + name; };
+  for (const Body& each : scene.network.bodies()) add(each.name);
+  for (const ElementSet& each : scene.elements) add(each.name);
+  for (const Plane& each : scene.network.planes()) add(each.name);
+  for (const Instrument& each : scene.network.instruments()) add(each.name);
+  return text;
+}
+
 }  // namespace
 
 RunIdentity identity_of(const Scene& scene) {
@@ -48,13 +73,24 @@ RunIdentity identity_of(const Scene& scene) {
                        {"output.vtk_interval", fmt::format("{} s", output.vtk_interval)},
                        {"output.view_size", fmt::format("{} bytes", output.view_size)},
                        {"output.precision", output.precision == OutputOptions::Precision::float64 ? "64" : "32"}};
+  identity.emplace_back("title", scene.title);
   std::string files;
-  for (const auto& each : outputs()) {
-    if (!each->wanted(scene)) continue;
-    for (const std::string& name : each->file_names()) files += (files.empty() ? "" : ", ") + name;
-    if (each->file_names().empty()) files += (files.empty() ? "" : ", ") + vtk_index_name();
-  }
+  const auto add_file = [&files](const std::string& name) { files += (files.empty() ? "" : ", ") + name; };
+  for (const tables::Table& table : tables::all())
+    if (table.wanted(scene.network, output)) add_file(tables::file_name(table, output));
+  if (output.view) add_file("view.html");
+  if (output.vtk) add_file(vtk_index_name());
   identity.emplace_back("output files", files);
+  // What is in each table, for a resumed one goes on under the header that it has.
+  for (const tables::Table& table : tables::all()) {
+    if (!table.wanted(scene.network, output)) continue;
+    const std::string name = tables::file_name(table, output);
+    identity.emplace_back("columns of " + name, csv_header(tables::form_of(table, scene.network, output)));
+  }
+  identity.emplace_back("output.nodes", list_text(output.nodes, "all"));
+  identity.emplace_back("output.springs", list_text(output.springs, "none"));
+  identity.emplace_back("output.elements", list_text(output.element_numbers, "all"));
+  identity.emplace_back("names of bodies, elements and surfaces", names_of(scene));
   const auto count = [](std::size_t nodes) { return std::to_string(nodes); };
   identity.emplace_back("nodes", count(scene.network.nodes().size()));
   identity.emplace_back("springs", count(scene.network.springs().size()));
@@ -109,21 +145,28 @@ std::string read_checkpoint(const OutputFolder::Pointer& folder, const RunIdenti
                                                      : std::string("its checksum is another one")));
   Archive archive{std::string_view(bytes)};
   const std::size_t count = archive.count(0, 2 * sizeof(std::uint64_t), "properties");
-  if (count != identity.size()) refuse(*folder, "is of another version of springnet; run without --resume");
+  std::size_t left = count;
   for (const auto& [name, value] : identity) {
+    if (left-- == 0) refuse(*folder, "is of another version of springnet; run without --resume");
     std::string its_name, its_value;
     archive.text(its_name);
     archive.text(its_value);
-    if (its_name != name || its_value != value)
-      refuse(*folder, fmt::format("is of another run: {}: {} there, {} now; undo the change, or run without --resume",
-                                  name, printable(its_value, 200), printable(value, 200)));
+    if (its_name != name)
+      refuse(*folder,
+             fmt::format("is of another run or version of springnet, which tells {} in place of {}; run without "
+                         "--resume",
+                         printable(its_name), name));
+    if (its_value != value)
+      refuse(*folder, fmt::format("is of another run: {}: {}; undo the change, or run without --resume", name,
+                                  difference_of(its_value, value, "now")));
   }
+  if (left > 0) refuse(*folder, "is of another version of springnet; run without --resume");
   return bytes.substr(bytes.size() - archive.left());
 }
 
 double checkpoint_bytes(const Scene& scene) {
   constexpr double per_node = 9.0 * sizeof(double);  // positions, velocities, forces
-  const double page = scene.output.view ? scene.output.view_size : 0.0;
+  const double page = scene.output.view ? std::min<double>(scene.output.view_size, estimate_view(scene)) : 0.0;
   return 2.0 * (per_node * static_cast<double>(scene.network.nodes().size()) + page);
 }
 

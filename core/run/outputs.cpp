@@ -31,8 +31,9 @@ class TableSink : public Sink {
     if (!archive.reads()) end = file_->flushed_end();
     end.archive(archive);
     rows_.archive(archive);
-    if (archive.reads()) file_ = tables::go_on(table_, path_, options_, end);
+    if (archive.reads()) file_ = tables::reopen(table_, path_, options_, end);
   }
+  void go_on() override { file_->go_on(); }
 
   void record(const Record& record) override {
     file_->begin_record(record.time());
@@ -80,10 +81,11 @@ constexpr const char* view_file = "view.html";
 
 class PageSink : public Sink {
  public:
-  PageSink(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins)
-      : Sink(file.name()), path_(file), page_(file, scene, ViewOptions{scene.output.view_size, plugins}) {}
+  PageSink(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins, bool resumes)
+      : Sink(file.name()), path_(file), page_(file, scene, ViewOptions{scene.output.view_size, plugins}, resumes) {}
 
   void archive(Archive& archive) override { page_.archive(archive); }
+  void go_on() override { page_.go_on(); }
   void record(const Record& record) override { page_.record(record); }
   void close() override { page_.close(); }
   void failed(const std::string& reason) override { page_.failed(reason); }
@@ -104,8 +106,8 @@ class PageOutput : public Output {
  public:
   [[nodiscard]] bool wanted(const Scene& scene) const override { return scene.output.view; }
   [[nodiscard]] std::unique_ptr<Sink> open(const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                                           const OutputFolder::Pointer& folder, bool) const override {
-    return std::make_unique<PageSink>(OutputFile(folder, view_file), scene, plugins);
+                                           const OutputFolder::Pointer& folder, bool resumes) const override {
+    return std::make_unique<PageSink>(OutputFile(folder, view_file), scene, plugins, resumes);
   }
   [[nodiscard]] std::optional<FileEstimate> estimate(const Scene& scene, double) const override {
     return FileEstimate{view_file, estimate_view(scene), false};
@@ -132,6 +134,7 @@ class VtkSink : public Sink {
     archive.number(last_);
     series_.archive(archive);
   }
+  void go_on() override { series_.go_on(); }
   void record(const Record& record) override {
     if (record.time() >= next_ - slack_) take(record);
   }

@@ -30,9 +30,11 @@ class Sink {
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
 
-  // How far it is, with all records in its files; or, of one that was opened to resume, goes on from there: what its
-  // files have beyond is cut off. Throws Error(input) if they are not there.
+  // How far it is, with all records in its files; or, of one that was opened to resume, finds its files, in which
+  // nothing changes yet. Throws Error(input) if they are not there, or shorter.
   virtual void archive(Archive& archive) = 0;
+  // Of one that was opened to resume: what its files have beyond is cut off, and records follow.
+  virtual void go_on() = 0;
 
   virtual void record(const Record& record) = 0;
   // Called with the last record, which has been recorded, however the run ends. For sinks that skip records.

@@ -22,6 +22,10 @@ void Recorder::archive(Archive& archive) {
   }
 }
 
+void Recorder::go_on() {
+  for (Entry& entry : entries_) entry.sink->go_on();
+}
+
 template <class Work>
 void Recorder::each(const Work& work) {
   std::exception_ptr first;

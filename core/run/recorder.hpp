@@ -21,6 +21,8 @@ class Recorder {
            bool resumes = false);
   // How far each of them is, between two records; or goes on from there.
   void archive(Archive& archive);
+  // Of one that resumes, once all is there: see Sink.
+  void go_on();
 
   // Writes the record to every file. A file that fails ends with its last complete record; the others go on. Then
   // throws the first error of this record.

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <springnet/readable.hpp>
 #include <springnet/run.hpp>
 
 #include "files/whole_file.hpp"
@@ -37,12 +38,35 @@ void require_space(const Scene& scene, const RunOptions& options) {
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
   if (unknown) return;  // a file system that does not report its free space is no reason to refuse
-  const double trace = (options.trace ? Profiler::trace_bytes(run_trace_events) : 0.0) +
-                       (options.checkpoint > 0.0 ? checkpoint_bytes(scene) : 0.0);
-  const auto refusal = space_refusal(
-      scene, {std::max(0.0, static_cast<double>(space.available) - trace), static_cast<double>(earlier_bytes(folder))},
-      folder.string());
+  const double trace = options.trace ? Profiler::trace_bytes(run_trace_events) : 0.0;
+  const double checkpoint = options.checkpoint > 0.0 ? checkpoint_bytes(scene) : 0.0;
+  const double available = static_cast<double>(space.available), earlier = static_cast<double>(earlier_bytes(folder));
+  if (trace + checkpoint > available + earlier)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: {} are free, and {} need up to {}; make room, write to another disk, or leave out {}",
+                            folder.string(), readable_bytes(available + earlier),
+                            trace > 0.0 && checkpoint > 0.0 ? "checkpoints and the trace"
+                            : trace > 0.0                   ? "the trace"
+                                                            : "checkpoints",
+                            readable_bytes(trace + checkpoint),
+                            trace > 0.0 && checkpoint > 0.0 ? "one of them"
+                            : trace > 0.0                   ? "--trace"
+                                                            : "--checkpoint"));
+  const auto refusal = space_refusal(scene, {available - trace - checkpoint, earlier}, folder.string());
   if (refusal) throw Error(ErrorKind::input, *refusal);
+}
+
+// What does not fit a checkpoint is told with its file.
+template <class Work>
+void as_of_checkpoint(const OutputFolder& folder, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    const std::string what = error.what(), file = (folder.path() / checkpoint_file).string();
+    const bool is_of_file = what.find(folder.path().string()) != std::string::npos;  // it names one, and a remedy
+    if (error.kind() != ErrorKind::input || is_of_file) throw;
+    throw Error(ErrorKind::input, fmt::format("{}: {}; undo the change, or run without --resume", file, what));
+  }
 }
 
 // Memory set aside, so that a run that is out of memory can still write its last record and its summary.
@@ -337,15 +361,19 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
   if (options.resume) {
     const std::string content = read_checkpoint(folder, identity_of(scene));
     Archive archive{std::string_view(content)};
-    std::string state;
-    archive.text(state);
-    simulation.restore(state);
+    // Until all is there and fits, nothing is changed in the folder.
+    as_of_checkpoint(*folder, [&] {
+      std::string state;
+      archive.text(state);
+      simulation.restore(state);
+    });
     begin();
-    timeline->archive(archive);
+    as_of_checkpoint(*folder, [&] { timeline->archive(archive); });
     if (options.checkpoint > 0.0 && options.checkpoint != timeline->checkpoint_interval())
       throw Error(ErrorKind::input,
                   fmt::format("--checkpoint is {} s, and was {} s in the run that is to be resumed; leave it out",
                               options.checkpoint, timeline->checkpoint_interval()));
+    recorder->go_on();
     remove_reports(folder);
     if (pace) pace.emplace(options.realtime, simulation.time(), clock);
   }

@@ -83,6 +83,8 @@ layers::InternalView Model::internal_for(const springnet_internal* request) {
   if (request->time_step == 0.0) {
     if (request->values != nullptr) view.values = request->values;
     view.rates = request->rates;
+    // At the end of a step without length they are those at its start.
+    if (request->next != nullptr) std::copy_n(view.values, layout.internal().count(), request->next);
     return view;
   }
   if (request->order != 1 && request->order != 2)

@@ -15,6 +15,7 @@
 #include "simulation/implementation.hpp"
 #include "simulation/saved_state.hpp"
 #include "text/archive.hpp"
+#include "text/difference.hpp"
 #include "text/digest.hpp"
 
 namespace springnet {
@@ -162,8 +163,8 @@ void Simulation::Impl::check_identity(const SavedHead& head, std::string_view by
                   fmt::format("the saved state is of another version of springnet, which tells '{}' in place of '{}'",
                               printable(there_name), name));
     if (there != value)
-      throw Error(ErrorKind::input, fmt::format("the saved state is of another simulation: {}: {} there, {} here", name,
-                                                printable(there), printable(value)));
+      throw Error(ErrorKind::input,
+                  fmt::format("the saved state is of another simulation: {}: {}", name, difference_of(there, value)));
   }
   if (archive.left() > 0) Archive::refuse("it tells more than what it is of");
 }

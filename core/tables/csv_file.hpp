@@ -21,9 +21,10 @@ class CsvFile {
   // Creates the file and writes the header line. The first record is flushed at once, later ones at most once per
   // `flush_interval`. Throws Error(input) if it cannot be created, OutputError if it cannot be written.
   CsvFile(const OutputFile& file, std::string_view header, Clock::duration flush_interval = std::chrono::seconds(1));
-  // Goes on with one that ended there.
+  // Opens one that ended there; see CheckedFile.
   CsvFile(const OutputFile& file, const CheckedFile::End& end, Clock::duration flush_interval = std::chrono::seconds(1))
       : file_(file, end), flush_interval_(flush_interval), flushed_(Clock::now() - flush_interval) {}
+  void go_on() { file_.go_on(); }
   CsvFile(const CsvFile&) = delete;
   CsvFile& operator=(const CsvFile&) = delete;
 

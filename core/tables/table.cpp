@@ -82,8 +82,8 @@ std::unique_ptr<TableFile> create(const Table& table, const OutputFile& file, co
                                      is_binary(table, options) ? std::optional(options.precision) : std::nullopt);
 }
 
-std::unique_ptr<TableFile> go_on(const Table& table, const OutputFile& file, const OutputOptions& options,
-                                 const CheckedFile::End& end) {
+std::unique_ptr<TableFile> reopen(const Table& table, const OutputFile& file, const OutputOptions& options,
+                                  const CheckedFile::End& end) {
   return std::make_unique<TableFile>(file, end,
                                      is_binary(table, options) ? std::optional(options.precision) : std::nullopt);
 }

@@ -96,9 +96,9 @@ struct Table {
 [[nodiscard]] TableForm form_of(const Table& table, const Network& network, const OutputOptions& options);
 [[nodiscard]] std::unique_ptr<TableFile> create(const Table& table, const OutputFile& file, const Network& network,
                                                 const OutputOptions& options);
-// Goes on with one that ended there.
-[[nodiscard]] std::unique_ptr<TableFile> go_on(const Table& table, const OutputFile& file, const OutputOptions& options,
-                                               const CheckedFile::End& end);
+// Opens one that ended there; see CheckedFile.
+[[nodiscard]] std::unique_ptr<TableFile> reopen(const Table& table, const OutputFile& file,
+                                                const OutputOptions& options, const CheckedFile::End& end);
 
 // For a run with this many records; empty if the size depends on events.
 [[nodiscard]] std::optional<FileEstimate> estimate(const Table& table, const Network& network,

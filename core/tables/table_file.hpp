@@ -19,8 +19,9 @@ class TableFile {
   // Creates the file and writes its header: binary with this precision, if given, or text.
   // Throws Error(input) if the file cannot be created, OutputError, as all below, if it cannot be written.
   TableFile(const OutputFile& file, const TableForm& form, std::optional<OutputOptions::Precision> binary = {});
-  // Goes on with one that ended there; throws Error(input) if that cannot be.
+  // Opens one that ended there; see CheckedFile.
   TableFile(const OutputFile& file, const CheckedFile::End& end, std::optional<OutputOptions::Precision> binary);
+  void go_on() { text_ ? text_->go_on() : numbers_->go_on(); }
 
   // Begins the record of this time, s, and drops a record that an exception left unfinished.
   void begin_record(double time);

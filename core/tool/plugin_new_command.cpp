@@ -64,8 +64,8 @@ struct PluginNewArguments {
 
 [[noreturn]] void refuse_new(const std::string& what) { throw Error(ErrorKind::input, what); }
 
-// "limit=0.5 m": a value in the scene and its unit, of one of the law's parameters.
-void read_set(const std::string& text, LawFormula& law, ParameterValues& values) {
+// "limit=0.5 m": a value in the scene and its unit, of one of the law's parameters; of a state, that at the start.
+void read_set(const std::string& text, LawFormula& law, ParameterValues& values, std::set<std::string>& given) {
   const auto refuse = [&text](const std::string& why) {
     refuse_new(fmt::format("--set '{}': {}", printable(text), why));
   };
@@ -78,7 +78,14 @@ void read_set(const std::string& text, LawFormula& law, ParameterValues& values)
   const auto [rest, error] = std::from_chars(begin, end, value);
   if (error != std::errc{} || !std::isfinite(value)) refuse(form);
   if (rest != end && *rest != ' ') refuse(form);
-  const std::string name = text.substr(0, equals);
+  const std::string name = text.substr(0, equals), unit(std::find_if(rest, end, [](char c) { return c != ' '; }), end);
+  if (!given.insert(name).second) refuse("given twice");
+  for (FormulaState& state : law.states) {
+    if (state.name != name) continue;
+    state.start = value;
+    state.unit = unit;
+    return;
+  }
   const auto parameter = std::find_if(law.parameters.begin(), law.parameters.end(),
                                       [&](const FormulaSymbol& each) { return each.name == name; });
   if (parameter == law.parameters.end()) {
@@ -87,8 +94,8 @@ void read_set(const std::string& text, LawFormula& law, ParameterValues& values)
     const std::string near = suggestion(name, known);
     refuse(fmt::format("the formula has no parameter '{}'{}{}", printable(name), near.empty() ? "" : "; ", near));
   }
-  if (!values.emplace(name, value).second) refuse("given twice");
-  parameter->unit = std::string(std::find_if(rest, end, [](char c) { return c != ' '; }), end);
+  values[name] = value;
+  parameter->unit = unit;
   if (value != 0.0) parameter->scale = std::abs(value);
 }
 
@@ -285,7 +292,8 @@ int write_project(const PluginNewArguments& arguments) {
     refuse_new("--set gives values of a formula's parameters: give the formula with --formula");
   if (arguments.has_formula()) {
     LawFormula law = law_by_options(arguments, project.kind);
-    for (const std::string& set : arguments.sets) read_set(set, law, project.values);
+    std::set<std::string> given;
+    for (const std::string& set : arguments.sets) read_set(set, law, project.values, given);
     check_units(law, std::nullopt);  // of names that go with every invariant the scene has springs
     project.formula = std::move(law);
   }
@@ -342,8 +350,10 @@ void add_plugin_new(CLI::App& parent, Action& action) {
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
-  add_list("--set", arguments->sets, "Value of a parameter of the formula in the scene, and its unit. May be repeated",
-           "NAME=VALUE");
+  add_list(
+      "--set", arguments->sets,
+      "Value of a parameter of the formula in the scene, and its unit; of a state that at the start. May be repeated",
+      "NAME=VALUE");
   command->add_option("--energy", arguments->energy, "Its energy, J; without --formula the force is the derivative")
       ->type_name("TEXT");
   command->add_option("--margin", arguments->margin, "What falls from 1 to 0 as it breaks")->type_name("TEXT");

@@ -99,6 +99,7 @@ std::string to_do(const LawFormula& law, const FormulaSource& source) {
       units = units && !each.unit.empty();
       meanings = meanings && !each.summary.empty();
     }
+  for (const FormulaState& each : law.states) units = units && !each.unit.empty();
   if (units && meanings) return {};
   return fmt::format("  // TODO: {}meanings, bounds: number(\"m\", \"kg\", \"of a bob\").above(0)",
                      units ? "" : "units, ");

@@ -19,9 +19,12 @@ Frames::Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expe
 void Frames::archive(Archive& archive) {
   archive.number(stride_);
   archive.number(recorded_);
-  archive.below(count_, capacity_ + 1, "a frame of the page");
+  std::size_t count = count_;
+  archive.below(count, capacity_ + 1, "a frame of the page");
   if (stride_ == 0) Archive::refuse("the stride of frames is 0");
-  each([&](auto& rows) { rows.archive(archive, count_); });
+  count_ = 0;  // until all rows are there
+  each([&](auto& rows) { rows.archive(archive, count); });
+  count_ = count;
 }
 
 void Frames::begin() {

@@ -65,14 +65,20 @@ springnet again.</p>
 
 }  // namespace
 
-PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options)
+PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options, bool resumes)
     : file_(file), size_(options.size), content_(make_content(scene, size_, options.plugins.get())) {
   content_.plugins = options.plugins;
   left_out_ = content_.selection.notes;
   left_out_.insert(left_out_.end(), content_.forces.notes.begin(), content_.forces.notes.end());
-  CheckedFile out(file, CheckedFile::make_room);
+  closed_ = resumes;
+  if (!resumes) go_on();
+}
+
+void PageWriter::go_on() {
+  CheckedFile out(file_, CheckedFile::make_room);
   out.write(not_ended.data(), not_ended.size());
   out.close();
+  closed_ = false;
 }
 
 PageWriter::~PageWriter() {

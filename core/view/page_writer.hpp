@@ -19,7 +19,8 @@ namespace springnet::view {
 class PageWriter {
  public:
   // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created.
-  PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options);
+  // resumes: no page is written before go_on().
+  PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options, bool resumes = false);
   ~PageWriter();  // closes it, and ignores errors
   PageWriter(const PageWriter&) = delete;
   PageWriter& operator=(const PageWriter&) = delete;
@@ -27,6 +28,8 @@ class PageWriter {
   void record(const Record& record);
   // What it has kept of the records so far.
   void archive(Archive& archive);
+  // Of one that resumes, once its records are there: the page is that of a run that has not ended.
+  void go_on();
   void failed(const std::string& reason) { content_.failure = reason; }
   void close();  // throws OutputError
   [[nodiscard]] const std::vector<std::string>& left_out() const noexcept { return left_out_; }

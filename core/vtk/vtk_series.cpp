@@ -104,6 +104,10 @@ void VtkSeries::archive(Archive& archive) {
   archive.number(last_);
   if (!archive.reads()) return;
   index_.emplace(OutputFile(folder_, index_name), end);
+}
+
+void VtkSeries::go_on() {
+  index_->go_on();
   // The end may be that of a later entry.
   index_->restore_end(index_end_, index_close);
   for (const std::string& name : vtk_series_files(*folder_))

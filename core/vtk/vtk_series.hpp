@@ -28,8 +28,10 @@ class VtkSeries {
  public:
   // resumes: archive() opens the files of an earlier run in place of new ones.
   VtkSeries(const OutputFile& folder, const Network& network, const OutputOptions& options, bool resumes = false);
-  // How far it is, between two pictures; or goes on from there, without the pictures that came later.
+  // How far it is, between two pictures; or finds the files, in which nothing changes before go_on(): then those of
+  // pictures that came later are removed.
   void archive(Archive& archive);
+  void go_on();
   // Throws OutputError if a picture cannot be written; the series then ends with the one before.
   void record(const Record& record);
   void close() { index_->close(); }

@@ -9,6 +9,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/mesh.hpp>
+#include <springnet/scene_writer.hpp>
 
 #include "mixed_net.hpp"
 #include "saved_states.hpp"
@@ -188,6 +189,40 @@ TEST_CASE("an extended simulation is saved and restored in one of the same netwo
       own.step();
       other.step();
     }
+  }
+}
+
+TEST_CASE("a state from after an extension goes on in another process, with the network as a scene") {
+  Simulation own = in_order(eventful(), recurrent(newton, 0.0), 0.01);
+  own.advance_to(0.1);
+  const std::string before = own.save();
+  Scene scene;
+  const auto add = [&](Network& now) {
+    const NodeIndex added = now.add_node(point({9, 9, 9}));
+    now.add_spring(5, added, now.add_material(damped(80.0, 1.0)), 0.4);
+  };
+  own.extend([&](Network& now) {
+    add(now);
+    scene.network = now;
+  });
+  own.step();
+  const std::string saved = own.save();
+  scene.duration = 1.0;
+  scene.options.time_step = 0.01;
+  const Scene read = parse_scene(to_scene(scene, *plugins()), "extended", *plugins());
+  Simulation other = in_order(read.network, recurrent(newton, 0.0), 0.01);
+  other.restore(saved);
+  // Or by the way that the first one went.
+  Simulation third = in_order(eventful(), recurrent(newton, 0.0), 0.01);
+  third.restore(before);
+  third.extend(add);
+  third.restore(saved);
+  for (int i = 0; i < 10; ++i) {
+    CHECK(distance(own, other) == 0.0);
+    CHECK(distance(own, third) == 0.0);
+    own.step();
+    other.step();
+    third.step();
   }
 }
 

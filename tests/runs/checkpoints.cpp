@@ -162,13 +162,31 @@ TEST_CASE("what cannot be resumed is told, and nothing is changed") {
   other = scene;
   other.options.time_step = 0.004;
   refused(other, "is of another run: time step");
+  // A table goes on under the header that it has.
+  other = scene;
+  other.output.velocity = !other.output.velocity;
+  refused(other, "is of another run: columns of trajectory.csv: time,node,x,y,z | there, | now");
+  other = scene;
+  other.output.nodes = {1, 2};
+  refused(other, "is of another run: output.nodes: all there, 2 ( | ): 1, 2 now");
+  other = scene;
+  other.output.springs = {0};
+  refused(other, "is of another run");
+  other = scene;
+  other.output.format = OutputOptions::Format::binary;
+  refused(other, "is of another run: output files: | trajectory.csv, | there, | trajectory.bin, | now");
+  other = scene;
+  other.title = "another title";
+  refused(other, "is of another run: title");
   other = scene;
   other.options.integrator = testing::generalized_alpha();
   refused(other, "another simulation: integrator");
 
   RunOptions options = resuming(folder.path());
   options.checkpoint = 0.2;
+  const auto all_files = files_in(folder.path());
   CHECK(testing::has_facts(refusal(scene, options), "--checkpoint is 0.2 s, and was 0.1 s"));
+  CHECK(files_in(folder.path()) == all_files);
   options.resume = false;
   options.checkpoint = std::nan("");
   CHECK(testing::has_facts(refusal(scene, options), "checkpoint: must be a time above 0 s"));
@@ -186,8 +204,7 @@ TEST_CASE("what cannot be resumed is told, and nothing is changed") {
   refused(scene, "checkpoint: is damaged: its checksum is another one");
   put(good);
   std::filesystem::resize_file(folder.path() / "trajectory.csv", 100);
-  const std::string message = refusal(scene, resuming(folder.path()));
-  CHECK(testing::has_facts(message, "trajectory.csv: has 100 bytes, and had | at the checkpoint"));
+  refused(scene, "trajectory.csv: has 100 bytes, and had | at the checkpoint");
   std::filesystem::remove(folder.path() / "trajectory.csv");
   std::filesystem::create_symlink("events.csv", folder.path() / "trajectory.csv");
   CHECK(testing::has_facts(refusal(scene, resuming(folder.path())), "trajectory.csv: cannot be opened"));

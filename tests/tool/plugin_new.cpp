@@ -170,6 +170,19 @@ TEST_CASE("a law too stiff for all settings of the scene does not hold up its pr
   CHECK(has(answer.out, "The test will fail until stiff.toml has values"));
 }
 
+TEST_CASE("states have a start and a unit, with which the units of parameters are checked") {
+  const TemporaryFolder folder;
+  const std::string given =
+      "plugin new slow --kind spring --formula 'k*(e - z)' --state 'z: (e - z)/tau' --set k='9 N/m' ";
+  REQUIRE(testing::springnet(folder, given + "--set tau='0.5 s' --set z='0.1 m'").status == 0);
+  const std::string source = testing::read_text(folder.path() / "slow/slow.cpp");
+  CHECK(has(source, "states[] = {number(\"z\", \"m\", \"\").preset(0.1)"));
+  const Answer wrong = testing::springnet(folder, given + "--set tau='0.5 N' --set z='0.1 m' -o wrong");
+  CHECK(wrong.status == 2);
+  CHECK(has(wrong.err, "rate of z: "));
+  CHECK(has(testing::springnet(folder, given + "--set z=0 --set z=1 -o wrong").err, "given twice"));
+}
+
 TEST_CASE("units of --set are those of springs, of which the scene is") {
   const TemporaryFolder folder;
   const Answer answer = testing::springnet(folder, "plugin new law --kind spring --formula 'k*e' --set k='2 N m'");

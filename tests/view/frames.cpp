@@ -1,8 +1,12 @@
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include <springnet/error.hpp>
+
+#include "text/archive.hpp"
 #include "view/base64.hpp"
 #include "view/frames.hpp"
 
@@ -24,6 +28,25 @@ Frames frames_of(std::size_t records, std::size_t capacity) {
 }
 
 }  // namespace
+
+TEST_CASE("frames that are refused leave none, so that no page is written of them") {
+  Frames frames = frames_of(5, 10);
+  std::string bytes;
+  springnet::Archive out(&bytes);
+  frames.archive(out);
+  // More frames than there are rows: their number is that after stride and records.
+  std::string forged = bytes;
+  forged[2 * sizeof(std::size_t)] = 9;
+  Frames other = frames_of(0, 10);
+  springnet::Archive in{std::string_view(forged)};
+  CHECK_THROWS_AS(other.archive(in), springnet::Error);
+  CHECK(other.count() == 0);
+  Frames whole = frames_of(0, 10);
+  springnet::Archive again{std::string_view(bytes)};
+  whole.archive(again);
+  CHECK(whole.count() == 5);
+  CHECK(whole.speeds.numbers() == frames.speeds.numbers());
+}
 
 TEST_CASE("base64 of the examples of RFC 4648") {
   CHECK(base64_text("") == "");

@@ -71,6 +71,8 @@ class GeneralizedAlpha : public Integrator {
       "generalized-alpha method (J. Appl. Mech. 60, 1993)";
   static constexpr bool integrates_states = true;
   static constexpr bool locates_events = true;
+  // Of a time step. A law near its limit may need smaller parts without end.
+  static constexpr std::uint64_t most_parts = 100000;
   static constexpr Parameter parameters[] = {
       number("spectral_radius", "1", "what a step leaves of motions much faster than it; 1: no damping")
           .preset(0.8)
@@ -105,6 +107,7 @@ class GeneralizedAlpha : public Integrator {
     const double whole = until - host_.committed().time;
     const double smallest = std::ldexp(whole, -halvings_);
     int successes = 0;  // in a row
+    std::uint64_t parts = 0;
     double length = whole, interval_end = -std::numeric_limits<double>::infinity();
     events_ = instant_events_ = 0;
     out_of_time_ = false;
@@ -113,6 +116,12 @@ class GeneralizedAlpha : public Integrator {
     while (true) {
       const double from = host_.committed().time;
       if (from >= until) break;
+      if (++parts > most_parts)
+        throw Failure("after " + std::to_string(most_parts) + " parts the step has come to " + std::to_string(from) +
+                          " s; look for a law that is near its limit there, or for a spring that has shrunk to nothing",
+                      SPRINGNET_UNSETTLED);
+      // At a deadline the rest is made at once, as well as it goes.
+      if (parts > 1 && host_.time_left() <= 0.0) length = whole;
       if (from >= interval_end) {
         interval_end = std::min(until, host_.next_discontinuity(from));
         host_.begin_interval(from, interval_end);
