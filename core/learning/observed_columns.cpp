@@ -92,8 +92,8 @@ bool forces_are_reactions(const Header& header) {
         "name the reactions rx,ry,rz, and remove fx,fy,fz and the other columns of reactions.csv");
   if (!as_reactions && !as_net_forces)
     header.fail(
-        "fx,fy,fz may be reactions or net forces; name reactions rx,ry,rz, and remove net forces, which are not "
-        "observed");
+        "fx,fy,fz may be reactions or net forces; "
+        "name reactions rx,ry,rz, and remove net forces, which are not observed");
   return as_reactions;
 }
 
@@ -203,9 +203,9 @@ ObservedColumns observed_columns(const std::vector<std::string>& names, std::str
     numbers.insert(numbers.end(), each->values.begin(), each->values.end());
     numbers.insert(numbers.end(), each->deviations.begin(), each->deviations.end());
   }
+  std::erase(numbers, none);
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  if (!numbers.empty() && numbers.back() == none) numbers.pop_back();
   return columns;
 }
 

@@ -1,0 +1,88 @@
+// The gradient of a motion by all of its rest lengths against the motion itself: time of both, alternately.
+#include <chrono>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <springnet/learning.hpp>
+#include <springnet/scene.hpp>
+
+namespace {
+
+using namespace springnet;
+
+struct Motion {
+  std::shared_ptr<const Network> network;
+  SimulationOptions options;
+  double duration;  // s
+};
+
+std::shared_ptr<const PluginHost> plugins() {
+  static const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
+  return host;
+}
+
+Motion of_scene(const std::string& name, double duration) {
+  Scene scene = load_scene(std::string(EXAMPLES) + "/" + name + "/" + name + ".toml", *plugins());
+  scene.options.threads = 1;
+  return {std::make_shared<const Network>(std::move(scene.network)), scene.options, duration};
+}
+
+// A block of 16 nodes a side that hangs from one of its faces, in steps far beyond explicit ones.
+Motion lattice() {
+  Network network;
+  const auto material =
+      network.add_material({LawUse{"linear", {{"stiffness", 2e4}}}, LawUse{"linear", {{"damping", 1.0}}}});
+  network.add_lattice("lattice", {{16, 16, 16}, Vector3::Ones(), Vector3::Zero(), Diagonals::face}, {}, material);
+  for (NodeIndex k = 0; k < 256; ++k) network.fix(16 * k);
+  network.set_gravity({0, 0, -10});
+  SimulationOptions options;
+  options.integrator = {"recurrent", {{"theta", 0.5}}};
+  options.time_step = 0.02;
+  options.threads = 1;
+  return {std::make_shared<const Network>(std::move(network)), options, 0.4};
+}
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+void measure(benchmark::State& state, const Motion& motion) {
+  std::vector<std::uint32_t> all(motion.network->springs().size());
+  std::iota(all.begin(), all.end(), 0U);
+  MotionDerivatives derivatives(motion.network, plugins(), motion.options, motion.duration,
+                                {{LearnedValues::Kind::rest_length, false, "", all}});
+  derivatives.set_accuracy(1e-8);  // of gradients about 1e-6
+  const Eigen::VectorXd values = derivatives.values_of_network();
+  double forward = 0.0, both = 0.0;
+  for (auto _ : state) {
+    const double start = seconds();
+    Simulation simulation(motion.network, plugins(), motion.options);
+    const double ready = seconds();
+    simulation.advance_to(motion.duration);
+    const double simulated = seconds();
+    derivatives.run(values);
+    benchmark::DoNotOptimize(derivatives.adjoint([&](std::size_t k, MotionDerivatives::StateChange& add) {
+      if (k % 5 == 0) add.positions.row(2).setOnes();
+    }));
+    const double done = seconds();
+    forward += simulated - ready;
+    both += done - simulated;
+    state.SetIterationTime(done - start);
+  }
+  state.counters["values"] = static_cast<double>(all.size());
+  state.counters["forward_ms"] = 1e3 * forward / static_cast<double>(state.iterations());
+  state.counters["with_gradient_over_forward"] = both / forward;
+}
+
+void gradient_bladder(benchmark::State& state) { measure(state, of_scene("bladder", 1.0)); }
+void gradient_sheet(benchmark::State& state) { measure(state, of_scene("sheet", 0.05)); }
+void gradient_lattice(benchmark::State& state) { measure(state, lattice()); }
+
+BENCHMARK(gradient_bladder)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(gradient_sheet)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(gradient_lattice)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
