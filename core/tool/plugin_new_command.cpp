@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <system_error>
 
 #define BOOST_DLL_USE_STD_FS
