@@ -151,7 +151,9 @@ void describe(LearnedNet& learned, const learning::Variables& variables, const V
     each.at_bound = x[j] <= variables.lower()[j] || x[j] >= variables.upper()[j];
     const double infinite = std::numeric_limits<double>::infinity();
     const double width = certainty == nullptr ? infinite : certainty->half_width(j) * scale[j];
-    const double ends[] = {variables.value_at(k, x, -width), variables.value_at(k, x, width)};
+    const bool is_known = std::isfinite(width);  // else the bounds of the law would pass for an interval
+    const double ends[] = {is_known ? variables.value_at(k, x, -width) : -infinite,
+                           is_known ? variables.value_at(k, x, width) : infinite};
     each.lower = std::min(ends[0], ends[1]);
     each.upper = std::max(ends[0], ends[1]);
     each.determined = certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(j);

@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "learn_page.hpp"
 #include "process.hpp"
 #include "text_table.hpp"
 
@@ -32,6 +33,7 @@ for all.
 Files in the output folder:
   learned.toml      the scene with the values that were learned
   learning.json     each value with its interval, what the data determine, the course of the search
+  learning.html     the same as curves, for a browser
 
 Examples:
   springnet learn bar.toml --observations seen.csv --parameters spring.stiffness:together,viscosity.damping:together
@@ -53,6 +55,7 @@ struct LearnArguments {
 
 constexpr const char* learned_file = "learned.toml";
 constexpr const char* learning_file = "learning.json";
+constexpr const char* page_file = "learning.html";
 
 Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files) {
   Experiment result{std::make_shared<const Network>(scene.network), scene.options, {}};
@@ -116,7 +119,8 @@ int run(const LearnArguments& arguments) {
   for (const std::string& each : arguments.parameters)
     learnables.push_back(select_learnable(scene.network, *host, each));
   const Experiment experiment = experiment_of(scene, arguments.observations);
-  const OutputFolder::Pointer folder = arguments.output.open_for(arguments.scene.file, {learned_file, learning_file});
+  const OutputFolder::Pointer folder =
+      arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file});
 
   catch_interrupts();
   LearnOptions options;
@@ -140,12 +144,14 @@ int run(const LearnArguments& arguments) {
   scene.network = with_values(experiment.network, host, learnables, learned.values);
   const std::string json = to_json(learned);
   write_whole({folder, learning_file}, json);
+  write_whole({folder, page_file},
+              page_of("Learned: " + (scene.title.empty() ? arguments.scene.file.string() : scene.title), learned));
   write_whole({folder, learned_file}, to_scene(scene, *host));
   if (arguments.output.json) {
     fmt::print("{}", json);
   } else if (!arguments.output.quiet) {
-    print_report(fmt::format("{}\n  written: {}, {} in {}\n", report_of(learned), learned_file, learning_file,
-                             folder->path().string()));
+    print_report(fmt::format("{}\n  written: {}, {}, {} in {}\n", report_of(learned), learned_file, learning_file,
+                             page_file, folder->path().string()));
   }
   std::fflush(stdout);
   return done;

@@ -125,6 +125,7 @@ TEST_CASE("masses, stiffnesses and dampings together keep a scale that no motion
     // The direction is (1, …, 1) of 13 logarithms.
     CHECK(each.determined == doctest::Approx(1.0 - 1.0 / 13.0).epsilon(1e-6));
     CHECK(std::isinf(each.upper));
+    CHECK(std::isinf(each.lower));
   }
   std::vector<Learnable> fixed = all;
   fixed[2].values.members = from_to(1, 5);
