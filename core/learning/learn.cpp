@@ -163,7 +163,7 @@ void describe(LearnedNet& learned, const learning::Variables& variables, const V
 
 }  // namespace
 
-LearnedNet learn(const std::vector<Experiment>& experiments, std::shared_ptr<const PluginHost> plugins,
+LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
                  const std::vector<Learnable>& learnables, const LearnOptions& options) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
   learning::Fit fit(experiments, plugins, learnables, options.guess_weight);
@@ -209,7 +209,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, std::shared_ptr<con
   return result;
 }
 
-LearnedNet learn_online(const Experiment& experiment, std::shared_ptr<const PluginHost> plugins,
+LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<const PluginHost>& plugins,
                         const std::vector<Learnable>& learnables, const OnlineOptions& options,
                         const std::function<bool(const LearnProgress&)>& on_step) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
@@ -246,13 +246,13 @@ LearnedNet learn_online(const Experiment& experiment, std::shared_ptr<const Plug
   return result;
 }
 
-Network with_values(const std::shared_ptr<const Network>& network, std::shared_ptr<const PluginHost> plugins,
+Network with_values(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,
                     const std::vector<Learnable>& learnables, const VectorXd& values) {
   std::vector<LearnedValues> all;
   for (const Learnable& each : learnables) all.push_back(each.values);
   const learning::LearnedSets sets(*network, std::move(all));
   sets.check(values);
-  Simulation simulation(network, std::move(plugins), {});
+  Simulation simulation(network, plugins, {});
   sets.set(simulation, values);
   return simulation.present_network();
 }

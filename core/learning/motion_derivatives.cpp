@@ -64,7 +64,7 @@ struct MotionDerivatives::Impl {
     double w, c;  // s
   };
 
-  Impl(std::shared_ptr<const Network> net, const std::shared_ptr<const PluginHost>& plugins,
+  Impl(const std::shared_ptr<const Network>& net, const std::shared_ptr<const PluginHost>& plugins,
        const SimulationOptions& options, double duration, std::vector<LearnedValues> values)
       : learned(*net, std::move(values)),
         simulation(net, plugins, options),
@@ -365,12 +365,12 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   return learned.cotangent(dv);
 }
 
-MotionDerivatives::MotionDerivatives(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
-                                     const SimulationOptions& options, double duration,
-                                     std::vector<LearnedValues> learned) {
+MotionDerivatives::MotionDerivatives(const std::shared_ptr<const Network>& network,
+                                     const std::shared_ptr<const PluginHost>& plugins, const SimulationOptions& options,
+                                     double duration, std::vector<LearnedValues> learned) {
   if (!network) throw Error(ErrorKind::input, "learning: there is no network");
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
-  impl_ = std::make_unique<Impl>(std::move(network), plugins, options, duration, std::move(learned));
+  impl_ = std::make_unique<Impl>(network, plugins, options, duration, std::move(learned));
 }
 MotionDerivatives::~MotionDerivatives() = default;
 MotionDerivatives::MotionDerivatives(MotionDerivatives&&) noexcept = default;

@@ -67,7 +67,7 @@ struct OnlineLearner::Impl {
     VectorXd residuals = VectorXd::Zero(observed.count());
     observed.residuals(motion, residuals);
     MatrixXd jacobian = MatrixXd::Zero(observed.count(), variables.count()), positions, velocities;
-    for (const std::size_t state : {0, 1}) {
+    for (const std::size_t state : {std::size_t{0}, std::size_t{1}}) {
       motion.step_tangents(state, positions, velocities);
       observed.add_tangent(state, positions, velocities, jacobian);
     }
@@ -88,9 +88,9 @@ struct OnlineLearner::Impl {
   double greatest = 0.0;  // square of the sensitivities of a step
 };
 
-OnlineLearner::OnlineLearner(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
-                             const SimulationOptions& simulation, const std::vector<Learnable>& learnables,
-                             const OnlineOptions& options) {
+OnlineLearner::OnlineLearner(const std::shared_ptr<const Network>& network,
+                             const std::shared_ptr<const PluginHost>& plugins, const SimulationOptions& simulation,
+                             const std::vector<Learnable>& learnables, const OnlineOptions& options) {
   if (!network) throw Error(ErrorKind::input, "learning: there is no network");
   impl_ = std::make_unique<Impl>(network, plugins, simulation, learnables, options);
 }

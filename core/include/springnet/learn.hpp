@@ -98,7 +98,7 @@ struct LearnedNet {
 // Throws Error(input) for observations, selections and nets that do not fit, and for a start whose motion fails;
 // Error(simulation) if no step can be taken from there.
 [[nodiscard]] SPRINGNET_API LearnedNet learn(const std::vector<Experiment>& experiments,
-                                             std::shared_ptr<const PluginHost> plugins,
+                                             const std::shared_ptr<const PluginHost>& plugins,
                                              const std::vector<Learnable>& learnables,
                                              const LearnOptions& options = {});
 
@@ -116,7 +116,7 @@ struct OnlineOptions {
 class SPRINGNET_API OnlineLearner {
  public:
   // Throws as learn(), and Error(input) if the sensitivities need more memory.
-  OnlineLearner(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+  OnlineLearner(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,
                 const SimulationOptions& simulation, const std::vector<Learnable>& learnables,
                 const OnlineOptions& options = {});
   ~OnlineLearner();
@@ -143,14 +143,14 @@ class SPRINGNET_API OnlineLearner {
 // The same over the motion of one experiment, once. The result has no intervals; its cost is that of the values at the
 // end, over the whole motion; `history` has the costs of the steps with observations.
 [[nodiscard]] SPRINGNET_API LearnedNet learn_online(const Experiment& experiment,
-                                                    std::shared_ptr<const PluginHost> plugins,
+                                                    const std::shared_ptr<const PluginHost>& plugins,
                                                     const std::vector<Learnable>& learnables,
                                                     const OnlineOptions& options = {},
                                                     const std::function<bool(const LearnProgress&)>& on_step = {});
 
 // The network with values that were learned.
 [[nodiscard]] SPRINGNET_API Network with_values(const std::shared_ptr<const Network>& network,
-                                                std::shared_ptr<const PluginHost> plugins,
+                                                const std::shared_ptr<const PluginHost>& plugins,
                                                 const std::vector<Learnable>& learnables,
                                                 const Eigen::VectorXd& values);
 

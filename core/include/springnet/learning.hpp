@@ -45,7 +45,7 @@ class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
   // integrator, a net or values that cannot be differentiated.
-  MotionDerivatives(std::shared_ptr<const Network> network, std::shared_ptr<const PluginHost> plugins,
+  MotionDerivatives(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,
                     const SimulationOptions& options, double duration, std::vector<LearnedValues> learned);
   ~MotionDerivatives();
   MotionDerivatives(MotionDerivatives&&) noexcept;
