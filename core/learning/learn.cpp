@@ -170,16 +170,29 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   const learning::Variables& variables = fit.variables();
   LearnedNet result;
   Search search{options, variables, result.history};
+  result.start_cost = 0.5 * fit.residuals(variables.start()).squaredNorm();
+  if (!std::isfinite(result.start_cost))
+    throw Error(ErrorKind::input,
+                "learning: the squares of the differences at the start are not finite: " +
+                    (fit.why_failed().empty() ? "a value that was observed is too large" : fit.why_failed()));
   VectorXd start = variables.start();
-  result.start_cost = 0.5 * fit.residuals(start).squaredNorm();
-  for (int stage = options.stages - 1; stage > 0; --stage) {
+  // What a stage has found may be worse than the start for what it has not seen.
+  const auto better = [&](learning::Fit& of) {
+    const double found = of.residuals(start).squaredNorm(), first = of.residuals(variables.start()).squaredNorm();
+    return found <= first ? start : variables.start();
+  };
+  for (int stage = options.stages - 1; stage > 0 && !search.stopped; --stage) {
     const double share = std::ldexp(1.0, -stage);
     const std::vector<Experiment> first = first_part(experiments, share);
-    if (first.empty() || search.stopped) continue;
+    if (first.empty()) continue;
     learning::Fit part(first, plugins, learnables, options.guess_weight);
-    start = search.run(part, start, share).x;
+    start = search.run(part, better(part), share).x;
   }
-  const learning::Minimum minimum = search.run(fit, start, 1.0);
+  learning::Minimum minimum;
+  minimum.x = better(fit);
+  minimum.reason = "It was stopped; the values are the best until then.";
+  minimum.cost = 0.5 * fit.residuals(minimum.x).squaredNorm();
+  if (!search.stopped) minimum = search.run(fit, minimum.x, 1.0);
 
   result.parameters = list_parameters(learnables);
   result.values = variables.values(minimum.x);
@@ -192,10 +205,14 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   result.rms = rms_of(residuals, fit.observed());
 
   const VectorXd& scale = fit.scale();
-  if (variables.count() > most_with_intervals) {
+  const double numbers = static_cast<double>(variables.count()) * static_cast<double>(fit.observation_rows());
+  if (search.stopped || variables.count() > most_with_intervals || numbers > learning::MinimiseOptions{}.most_numbers) {
     result.notes.push_back(
-        fmt::format("Intervals and what the data determine are known for up to {} variables; these are {}.",
-                    most_with_intervals, variables.count()));
+        search.stopped
+            ? "Intervals and what the data determine are not known, as it was stopped."
+            : fmt::format("Intervals and what the data determine are told for up to {} variables, and {:g} for the "
+                          "product with the observed values; these are {} and {:g}.",
+                          most_with_intervals, learning::MinimiseOptions{}.most_numbers, variables.count(), numbers));
     describe(result, variables, minimum.x, nullptr, scale, {});
     return result;
   }
@@ -240,6 +257,8 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   const VectorXd residuals = fit.residuals(learner.variables());
   result.cost = 0.5 * residuals.squaredNorm();
   result.rms = rms_of(residuals, fit.observed());
+  if (result.cost > result.start_cost)
+    result.notes.emplace_back("The values at the end are worse than those at the start: learn more slowly (rate).");
   if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
   result.parameters = list_parameters(learnables);
   describe(result, variables, learner.variables(), nullptr, fit.scale(), {});

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -48,18 +50,24 @@ using Kind = LearnedValues::Kind;
 }  // namespace
 
 LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> learned) {
-  if (learned.empty()) throw Error(ErrorKind::input, "learning: there is nothing to be learned");
+  const auto is_empty = [](const LearnedValues& each) { return each.members.empty(); };
+  if (std::all_of(learned.begin(), learned.end(), is_empty))
+    throw Error(ErrorKind::input, "learning: there is nothing to be learned");
+  std::map<std::tuple<Kind, bool, std::string>, std::vector<std::uint8_t>> all_listed;
   for (LearnedValues& each : learned) {
     const std::size_t most = is_of_nodes(each.kind) ? network.nodes().size()
                              : each.of_elements     ? network.elements().size()
                                                     : network.springs().size();
-    std::vector<std::uint8_t> listed(most, 0);
+    std::vector<std::uint8_t>& listed = all_listed[{each.kind, each.of_elements, each.parameter}];
+    listed.resize(most);
     for (const std::uint32_t member : each.members) {
       if (member >= most)
         throw Error(ErrorKind::input, fmt::format("learning: {} {} does not exist: the network has {}",
                                                   name_of_members(each), member, most));
       if (std::exchange(listed[member], std::uint8_t{1}) != 0)
-        throw Error(ErrorKind::input, fmt::format("learning: {} {} is listed twice", name_of_members(each), member));
+        throw Error(ErrorKind::input,
+                    fmt::format("learning: {} {} is listed twice{}{}", name_of_members(each), member,
+                                each.parameter.empty() ? "" : ", for its parameter ", each.parameter));
       if (each.kind == Kind::initial_velocity && network.nodes()[member].fixed)
         throw Error(ErrorKind::input, fmt::format("learning: node {} is fixed and has no velocity to learn", member));
     }

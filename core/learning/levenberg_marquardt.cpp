@@ -38,8 +38,8 @@ void check(const VectorXd& start, const Bounds& bounds) {
 // move.
 class LinearModel {
  public:
-  LinearModel(LeastSquares& problem, const MinimiseOptions& options, Index variables)
-      : problem_(problem), dense_(variables <= options.most_dense), scale_(VectorXd::Zero(variables)) {}
+  LinearModel(LeastSquares& problem, bool dense, Index variables)
+      : problem_(problem), dense_(dense), scale_(VectorXd::Zero(variables)) {}
 
   void set(const VectorXd& x, const VectorXd& residuals, const Bounds& bounds) {
     problem_.linearise(x);
@@ -157,7 +157,9 @@ Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const 
     result.reason = std::move(reason);
     return result;
   };
-  LinearModel model(problem, options, start.size());
+  const bool dense = start.size() <= options.most_dense &&
+                     static_cast<double>(start.size()) * static_cast<double>(residuals.size()) <= options.most_numbers;
+  LinearModel model(problem, dense, start.size());
   model.set(result.x, residuals, bounds);
   double damping = first_damping, growth = 2.0;
   for (int iteration = 0;; ++iteration) {
@@ -176,6 +178,17 @@ Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const 
       const double predicted = model.predicted_decrease(step);
       if (model.size_of(step) <= options.step_tolerance * model.size_of(result.x))
         return end(Stop::step, fmt::format("Steps are shorter than {:.1e} of the values.", options.step_tolerance));
+      const auto shorten = [&] {
+        damping *= growth;
+        growth *= 2.0;
+        return damping < most_damping;
+      };
+      constexpr const char* stuck = "No step lowers the cost, however short; the motion may fail at the values nearby.";
+      // Cut by bounds, a step may lead upwards; a shorter one does not.
+      if (predicted < 0.0) {
+        if (shorten()) continue;
+        return end(Stop::stuck, stuck);
+      }
       VectorXd next = problem.residuals(x);
       const double cost = 0.5 * next.squaredNorm(), gain = (result.cost - cost) / predicted;
       if (std::isfinite(cost) && predicted > 0.0 && gain > least_gain) {
@@ -194,10 +207,7 @@ Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const 
       }
       if (predicted <= rounding_of_cost * result.cost)
         return end(Stop::cost, "The cost cannot fall by more than its rounding.");
-      damping *= growth;
-      growth *= 2.0;
-      if (!(damping < most_damping))
-        return end(Stop::stuck, "No step lowers the cost, however short; the motion may fail at the values nearby.");
+      if (!shorten()) return end(Stop::stuck, stuck);
     }
   }
 }

@@ -41,6 +41,7 @@ struct MinimiseOptions {
   double step_tolerance = 1e-10;      // relative to the variables
   // Jacobians of up to so many variables are known as a whole; else steps are found with products alone.
   Eigen::Index most_dense = 2000;
+  double most_numbers = 2.5e7;  // of such a Jacobian; five times as many are kept at a time
   // After the start and each iteration, with the best so far; false ends the search.
   std::function<bool(const Progress&, const Eigen::VectorXd& best)> on_iteration{};
 };

@@ -36,6 +36,8 @@ void check_method(const Network& network, const LawUse& integrator) {
     refuse(fmt::format("the integrator is '{}'; only steps of '{}' are differentiated", integrator.id, method));
   if (option(integrator, "sweeps", 0.0) != 0.0)
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
+  if (option(integrator, "events", 0.0) != 0.0)
+    refuse("steps that are divided where events are located are not differentiated; set events = \"stepwise\"");
   if (!network.rigids().empty()) refuse("nets with rigid connections are not differentiated");
   if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
 }
@@ -84,6 +86,7 @@ struct MotionDerivatives::Impl {
       throw Error(ErrorKind::input, "learning: laws with internal states are not differentiated");
     nodes = network.node_count;
     learned.attach(engine);
+    network_values = learned.values_of(engine);
     start = simulation.save();
     for (VectorXd* each : {&dp, &dv, &rhs, &product, &other, &solution}) each->setZero(size());
   }
@@ -125,6 +128,11 @@ struct MotionDerivatives::Impl {
             from(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k));
   }
 
+  [[nodiscard]] const State& at(std::size_t state) const {
+    if (state < states.size()) return states[state];
+    throw Error(ErrorKind::input,
+                fmt::format("learning: state {} does not exist: the last run has {}", state, states.size()));
+  }
   void run(const VectorXd& values);
   void record(std::vector<State>& to) const;
   void check_step() const;
@@ -157,6 +165,7 @@ struct MotionDerivatives::Impl {
   double accuracy = default_accuracy;
   std::size_t steps, nodes = 0;
   std::string start;
+  VectorXd network_values;
   std::vector<State> states;  // of the last run
   VectorXd dp, dv;            // the change of a state, or derivatives of the loss by it
   VectorXd rhs, product, other, solution, work;
@@ -348,6 +357,10 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   for (std::size_t k = states.size(); k-- > 0;) {
     StateChange own{zero, zero};
     add(k, own);
+    if (own.positions.cols() != zero.cols() || own.velocities.cols() != zero.cols())
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: derivatives by state {} are of {} and {} nodes, must be of {}", k,
+                              own.positions.cols(), own.velocities.cols(), zero.cols()));
     add_from_user_order(own.positions, dp);
     add_from_user_order(own.velocities, dv);
     if (k > 0) with_messages([&] { step_backwards(k); });
@@ -377,17 +390,17 @@ MotionDerivatives::MotionDerivatives(MotionDerivatives&&) noexcept = default;
 MotionDerivatives& MotionDerivatives::operator=(MotionDerivatives&&) noexcept = default;
 
 std::size_t MotionDerivatives::value_count() const noexcept { return impl_->learned.count(); }
-VectorXd MotionDerivatives::values_of_network() const { return impl_->learned.values_of(impl_->engine); }
+VectorXd MotionDerivatives::values_of_network() const { return impl_->network_values; }
 void MotionDerivatives::run(const VectorXd& values) { impl_->run(values); }
 std::size_t MotionDerivatives::step_count() const noexcept {
   return impl_->states.empty() ? 0 : impl_->states.size() - 1;
 }
-double MotionDerivatives::time(std::size_t state) const { return impl_->states.at(state).time; }
+double MotionDerivatives::time(std::size_t state) const { return impl_->at(state).time; }
 Eigen::Matrix3Xd MotionDerivatives::positions(std::size_t state) const {
-  return impl_->in_user_order(impl_->states.at(state).p);
+  return impl_->in_user_order(impl_->at(state).p);
 }
 Eigen::Matrix3Xd MotionDerivatives::velocities(std::size_t state) const {
-  return impl_->in_user_order(impl_->states.at(state).v);
+  return impl_->in_user_order(impl_->at(state).v);
 }
 void MotionDerivatives::tangent(const MatrixXd& changes, const StateTangents& told) { impl_->tangent(changes, told); }
 void MotionDerivatives::set_accuracy(double relative) {

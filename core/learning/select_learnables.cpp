@@ -32,7 +32,8 @@ struct Selection {
 Selection parse(std::string_view text) {
   Selection result{text, text, {}, false};
   if (const std::size_t at = result.what.find(':'); at != std::string_view::npos) {
-    if (result.what.substr(at) != ":together") refuse(text, "only ':together' may follow a ':'");
+    if (result.what.substr(at) != ":together")
+      refuse(text, "only ':together' may follow a ':', at the end, behind '@BODY'");
     result.together = true;
     result.what = result.what.substr(0, at);
   }

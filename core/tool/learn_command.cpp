@@ -34,6 +34,7 @@ Files in the output folder:
   learned.toml      the scene with the values that were learned
   learning.json     each value with its interval, what the data determine, the course of the search
   learning.html     the same as curves, for a browser
+Ctrl-C ends the search; the files then have the best values until then.
 
 Examples:
   springnet learn bar.toml --observations seen.csv --parameters spring.stiffness:together,viscosity.damping:together
@@ -60,6 +61,7 @@ constexpr const char* page_file = "learning.html";
 Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files) {
   Experiment result{std::make_shared<const Network>(scene.network), scene.options, {}};
   for (const std::filesystem::path& file : files) result.observations.append(read_observations(file));
+  check_observations(result.observations, scene.network.nodes().size(), 0.0, scene.duration);
   return result;
 }
 

@@ -80,6 +80,7 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
   folder.write("bar.toml", bar(250, 1));
   folder.write("seen.csv", "time,node,x,y,z\n0.1,0,0,0,-0.01\n0.2,77,0,0,0\n");
   folder.write("late.csv", "time,node,x,y,z\n-0.1,0,0,0,-0.01\n");
+  folder.write("far.csv", "time,node,x,y,z\n0.1,0,0,0,-0.01\n1000000000,1,0,0,0\n");
   folder.write("odd.csv", "time,node,x,y,z\n0.1,0,0,0,red\n");
   folder.write("none.csv", "time,node,x,y,z\n0.1,0,nan,nan,\n");
   struct Wrong {
@@ -89,8 +90,8 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
   for (const Wrong& wrong :
        {Wrong{"seen.csv --parameters mass", "seen.csv:3"},
         Wrong{"late.csv --parameters mass", "late.csv: nothing is observed during the motion"},
-        Wrong{"odd.csv --parameters mass", "odd.csv:2"}, Wrong{"none.csv --parameters mass", "none.csv"},
-        Wrong{"absent.csv --parameters mass", "absent.csv"},
+        Wrong{"far.csv --parameters mass", "far.csv:3"}, Wrong{"odd.csv --parameters mass", "odd.csv:2"},
+        Wrong{"none.csv --parameters mass", "none.csv"}, Wrong{"absent.csv --parameters mass", "absent.csv"},
         Wrong{"seen.csv --parameters spring.stifness", "did you mean 'stiffness'"},
         Wrong{"seen.csv --parameters mass@bat", "did you mean 'bar'"}, Wrong{"seen.csv", "--parameters is required"}}) {
     CAPTURE(wrong.arguments);

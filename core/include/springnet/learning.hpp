@@ -39,8 +39,8 @@ struct LearnedValues {
 };
 
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
-// SimulationOptions::time_step. Nets with rigid connections, enclosed faces under pressure that follow, laws with
-// internal states, and motions with contact, ruptures, cuts or divided steps are refused with a message.
+// SimulationOptions::time_step. Nets with rigid connections, laws with internal states, changes at times, events that
+// are located, and motions with contact, ruptures, cuts or divided steps are refused with a message.
 class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
