@@ -13,10 +13,10 @@
 
 using namespace springnet;
 using namespace springnet::learning;
-using springnet::testing::Dice;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using springnet::testing::Dice;
 
 namespace {
 
