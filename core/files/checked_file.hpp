@@ -39,13 +39,13 @@ class CheckedFile {
 
   // Creates the file; throws Error(input) if that fails. `remedy` ends the message of a failed write.
   explicit CheckedFile(const OutputFile& file, std::string_view remedy = record_less);
-  // If still open, after an exception for instance: writes the complete records in the buffer, if possible.
   // Opens a file that ended there, and changes nothing in it before go_on(). Throws Error(input) if it is shorter, or
   // no regular file of its folder.
   CheckedFile(const OutputFile& file, const End& end, std::string_view remedy = record_less);
-  ~CheckedFile();
-  // Cuts off what a file that was opened so has beyond its end; records follow there. Throws Error(input).
+  // Cuts off what such a file has beyond its end; records follow there. Throws Error(input).
   void go_on();
+  // If still open, after an exception for instance: writes the complete records in the buffer, if possible.
+  ~CheckedFile();
   CheckedFile(const CheckedFile&) = delete;
   CheckedFile& operator=(const CheckedFile&) = delete;
 

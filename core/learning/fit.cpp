@@ -16,12 +16,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables) {
-  std::vector<LearnedValues> result;
-  for (const Learnable& each : learnables) result.push_back(each.values);
-  return result;
-}
-
 // The whole number of steps that reaches the last observation, s.
 double duration_of(const Experiment& experiment) {
   const std::vector<double> times = experiment.observations.times();
@@ -64,11 +58,6 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     observed_ += each.observations.value_count();
     runs_.push_back({std::move(motion), std::move(observed), first});
   }
-  // A relative change, of values that are not searched by their logarithm, too.
-  guess_scale_ = VectorXd::Ones(variables_->count());
-  const VectorXd& x = variables_->start();
-  for (Eigen::Index k = 0; k < x.size(); ++k)
-    if (!(variables_->is_logarithmic(k)) && x[k] != 0.0) guess_scale_[k] = std::abs(x[k]);
 }
 
 bool Fit::run(const VectorXd& x) {
@@ -92,7 +81,7 @@ VectorXd Fit::residuals(const VectorXd& x) {
   if (!run(x)) return result;
   for (Run& each : runs_) each.observed.residuals(*each.motion, result.segment(each.first, each.observed.count()));
   if (guess_rows > 0)
-    result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(guess_scale_);
+    result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(variables_->scale());
   return result;
 }
 
@@ -110,7 +99,7 @@ MatrixXd Fit::times(const MatrixXd& changes) {
       each.observed.add_tangent(state, positions, velocities, result.middleRows(each.first, each.observed.count()));
     });
   if (guess_rows > 0)
-    result.bottomRows(guess_rows) = root_guess_weight_ * guess_scale_.cwiseInverse().asDiagonal() * changes;
+    result.bottomRows(guess_rows) = root_guess_weight_ * variables_->scale().cwiseInverse().asDiagonal() * changes;
   return result;
 }
 
@@ -124,7 +113,7 @@ VectorXd Fit::transposed_times(const VectorXd& weights) {
   }
   VectorXd result = variables_->transposed_times(at_, gradient);
   if (weights.size() > rows_)
-    result += root_guess_weight_ * weights.tail(weights.size() - rows_).cwiseQuotient(guess_scale_);
+    result += root_guess_weight_ * weights.tail(weights.size() - rows_).cwiseQuotient(variables_->scale());
   return result;
 }
 

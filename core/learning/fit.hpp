@@ -22,8 +22,6 @@ class Fit {
       const std::vector<Learnable>& learnables, double guess_weight);
 
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
-  // Changes of variables that count as the same: 1 of a logarithm, else the value at the start.
-  [[nodiscard]] const Eigen::VectorXd& scale() const noexcept { return guess_scale_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
   // Of observations alone, before those of the guess.
   [[nodiscard]] Eigen::Index observation_rows() const noexcept { return rows_; }
@@ -47,7 +45,6 @@ class Fit {
   std::vector<Run> runs_;
   std::unique_ptr<Variables> variables_;
   double root_guess_weight_;
-  Eigen::VectorXd guess_scale_;  // of the variables
   std::size_t observed_ = 0;
   Eigen::Index rows_ = 0;
   Eigen::VectorXd at_;  // of the motions; empty: one has failed

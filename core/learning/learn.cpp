@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +12,7 @@
 #include "learning/fit.hpp"
 #include "learning/learned_values.hpp"
 #include "learning/minimise.hpp"
+#include "learning/result.hpp"
 
 namespace springnet {
 
@@ -21,14 +20,9 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Kind = LearnedValues::Kind;
 
 // Up to so many variables sensitivities are known as a whole, for intervals and what is not determined.
 constexpr Eigen::Index most_with_intervals = 2000;
-
-double rms_of(const VectorXd& residuals, std::size_t observed) {
-  return observed > 0 ? std::sqrt(residuals.squaredNorm() / static_cast<double>(observed)) : 0.0;
-}
 
 class Problem final : public learning::LeastSquares {
  public:
@@ -43,20 +37,6 @@ class Problem final : public learning::LeastSquares {
   learning::Fit& fit_;
 };
 
-// What was observed in [from, until], s.
-Observations part_of(const Observations& all, double from, double until) {
-  Observations part;
-  part.files = all.files;
-  const auto copy = [&](const auto& rows, auto& to) {
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(to),
-                 [&](const auto& row) { return row.time >= from && row.time <= until; });
-  };
-  copy(all.positions, part.positions);
-  copy(all.velocities, part.velocities);
-  copy(all.distances, part.distances);
-  return part;
-}
-
 // What was observed in this share of the time; empty: of an experiment nothing.
 std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, double share) {
   std::vector<Experiment> result;
@@ -65,7 +45,7 @@ std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, d
     const double until = share * all.back();
     if (!(until > 0.0) || all.front() > until) return {};
     Experiment part{each.network, each.options, {}};
-    part.observations = part_of(each.observations, 0.0, until);
+    part.observations = learning::part_of(each.observations, 0.0, until);
     result.push_back(std::move(part));
   }
   return result;
@@ -106,23 +86,6 @@ std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) 
   return experiments;
 }
 
-// The parameters of the result, without what is known of them.
-std::vector<LearnedParameter> list_parameters(const std::vector<Learnable>& learnables) {
-  std::vector<LearnedParameter> result;
-  for (const Learnable& each : learnables)
-    for (const std::uint32_t member : each.values.members)
-      for (int axis = 0; axis < (each.values.kind == Kind::initial_velocity ? 3 : 1); ++axis) {
-        LearnedParameter parameter;
-        parameter.kind = each.values.kind;
-        parameter.of_elements = each.values.of_elements;
-        parameter.parameter = each.values.parameter;
-        parameter.member = member;
-        parameter.axis = each.values.kind == Kind::initial_velocity ? axis : -1;
-        result.push_back(std::move(parameter));
-      }
-  return result;
-}
-
 // How far the search would go on with the motion of half the time step, to first order; no size: that motion fails.
 VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
@@ -138,27 +101,6 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
     notes.push_back(std::string("How far half the time step would move the values is not known: ") + error.what());
   }
   return {};
-}
-
-void describe(LearnedNet& learned, const learning::Variables& variables, const VectorXd& x,
-              const learning::Certainty* certainty, const VectorXd& scale, const VectorXd& shift) {
-  for (std::size_t k = 0; k < learned.parameters.size(); ++k) {
-    LearnedParameter& each = learned.parameters[k];
-    each.variable = variables.variable_of(k);
-    const auto j = static_cast<Eigen::Index>(each.variable);
-    each.start = variables.value_at(k, variables.start(), 0.0);
-    each.value = variables.value_at(k, x, 0.0);
-    each.at_bound = x[j] <= variables.lower()[j] || x[j] >= variables.upper()[j];
-    const double infinite = std::numeric_limits<double>::infinity();
-    const double width = certainty == nullptr ? infinite : certainty->half_width(j) * scale[j];
-    const bool is_known = std::isfinite(width);  // else the bounds of the law would pass for an interval
-    const double ends[] = {is_known ? variables.value_at(k, x, -width) : -infinite,
-                           is_known ? variables.value_at(k, x, width) : infinite};
-    each.lower = std::min(ends[0], ends[1]);
-    each.upper = std::max(ends[0], ends[1]);
-    each.determined = certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(j);
-    each.by_time_step = shift.size() == 0 ? std::numeric_limits<double>::quiet_NaN() : variables.slope(k, x) * shift[j];
-  }
 }
 
 }  // namespace
@@ -194,7 +136,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   minimum.cost = 0.5 * fit.residuals(minimum.x).squaredNorm();
   if (!search.stopped) minimum = search.run(fit, minimum.x, 1.0);
 
-  result.parameters = list_parameters(learnables);
+  result.parameters = learning::list_parameters(learnables);
   result.values = variables.values(minimum.x);
   result.observed = fit.observed();
   result.variables = static_cast<std::size_t>(variables.count());
@@ -202,9 +144,9 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   result.cost = minimum.cost;
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
-  result.rms = rms_of(residuals, fit.observed());
+  result.rms = learning::rms_of(residuals, fit.observed());
 
-  const VectorXd& scale = fit.scale();
+  const VectorXd& scale = variables.scale();
   const double numbers = static_cast<double>(variables.count()) * static_cast<double>(fit.observation_rows());
   if (search.stopped || variables.count() > most_with_intervals || numbers > learning::MinimiseOptions{}.most_numbers) {
     result.notes.push_back(
@@ -213,7 +155,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
             : fmt::format("Intervals and what the data determine are told for up to {} variables, and {:g} for the "
                           "product with the observed values; these are {} and {:g}.",
                           most_with_intervals, learning::MinimiseOptions{}.most_numbers, variables.count(), numbers));
-    describe(result, variables, minimum.x, nullptr, scale, {});
+    learning::describe(result, variables, minimum.x, nullptr, {});
     return result;
   }
   const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
@@ -222,54 +164,13 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   result.undetermined = certainty.undetermined();
   const VectorXd shift =
       shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals, result.notes);
-  describe(result, variables, minimum.x, &certainty, scale, shift);
-  return result;
-}
-
-LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<const PluginHost>& plugins,
-                        const std::vector<Learnable>& learnables, const OnlineOptions& options,
-                        const std::function<bool(const LearnProgress&)>& on_step) {
-  if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
-  learning::Fit fit({experiment}, plugins, learnables, 0.0);  // checks, and judges at the end
-  const learning::Variables& variables = fit.variables();
-  OnlineLearner learner(experiment.network, plugins, experiment.options, learnables, options);
-  LearnedNet result;
-  result.reason = "The motion was gone through once.";
-  const double last = experiment.observations.times().back();
-  constexpr double rounding = 1e-6;  // of a step
-  const double slack = rounding * experiment.options.time_step;
-  for (int step = 1; learner.time() < last - slack; ++step) {
-    const double from = learner.time(), until = from + experiment.options.time_step + slack;
-    const Observations seen = part_of(experiment.observations, step == 1 ? from : from + slack, until);
-    const double cost = learner.step(seen), count = static_cast<double>(seen.value_count());
-    if (!(count > 0.0)) continue;
-    LearnProgress now{step, learner.time() / last, cost, std::sqrt(2.0 * cost / count), {}};
-    result.history.push_back(now);
-    now.values = learner.values();
-    if (!on_step || on_step(now)) continue;
-    result.reason = "It was stopped; the values are those until then.";
-    break;
-  }
-  result.values = learner.values();
-  result.observed = fit.observed();
-  result.variables = static_cast<std::size_t>(variables.count());
-  result.start_cost = 0.5 * fit.residuals(variables.start()).squaredNorm();
-  const VectorXd residuals = fit.residuals(learner.variables());
-  result.cost = 0.5 * residuals.squaredNorm();
-  result.rms = rms_of(residuals, fit.observed());
-  if (result.cost > result.start_cost)
-    result.notes.emplace_back("The values at the end are worse than those at the start: learn more slowly (rate).");
-  if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
-  result.parameters = list_parameters(learnables);
-  describe(result, variables, learner.variables(), nullptr, fit.scale(), {});
+  learning::describe(result, variables, minimum.x, &certainty, shift);
   return result;
 }
 
 Network with_values(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,
                     const std::vector<Learnable>& learnables, const VectorXd& values) {
-  std::vector<LearnedValues> all;
-  for (const Learnable& each : learnables) all.push_back(each.values);
-  const learning::LearnedSets sets(*network, std::move(all));
+  const learning::LearnedSets sets(*network, learning::values_of(learnables));
   sets.check(values);
   Simulation simulation(network, plugins, {});
   sets.set(simulation, values);

@@ -19,14 +19,7 @@ namespace {
 
 using Kind = LearnedValues::Kind;
 
-[[nodiscard]] bool is_of_nodes(Kind kind) {
-  return kind == Kind::mass || kind == Kind::neuron_parameter || kind == Kind::initial_velocity;
-}
-
-[[nodiscard]] const char* name_of_members(const LearnedValues& what) {
-  if (is_of_nodes(what.kind)) return "node";
-  return what.of_elements ? "element" : "spring";
-}
+[[nodiscard]] bool is_of_nodes(Kind kind) { return member_name(kind, false) == "node"; }
 
 [[nodiscard]] ComponentKind law_of(Kind kind) {
   return kind == Kind::viscosity_parameter ? ComponentKind::viscosity_function : ComponentKind::spring_function;
@@ -47,6 +40,47 @@ using Kind = LearnedValues::Kind;
   }
 }
 
+using Values = std::vector<double>;
+
+struct OfSimulation {
+  Simulation& simulation;
+  void set_parameters(const LearnedValues& what, const Values& values) const {
+    if (what.of_elements)
+      simulation.set_element_parameter(what.members, law_of(what.kind), what.parameter, values);
+    else
+      simulation.set_parameter(what.members, law_of(what.kind), what.parameter, values);
+  }
+  void set_references(const LearnedValues& what, const Values& values) const {
+    if (what.of_elements)
+      simulation.set_references(what.members, values);
+    else
+      simulation.set_rest_lengths(what.members, values);
+  }
+  void set_masses(const LearnedValues& what, const Values& values) const {
+    simulation.set_masses(what.members, values);
+  }
+  void set_neurons(const LearnedValues& what, const Values& values) const {
+    simulation.set_neuron_parameter(what.members, what.parameter, values);
+  }
+};
+
+struct OfEngine {
+  Engine& engine;
+  [[nodiscard]] Members members(const LearnedValues& what) const { return {engine.model().layout, what.of_elements}; }
+  void set_parameters(const LearnedValues& what, const Values& values) const {
+    set_values(engine, members(what), what.members, {law_of(what.kind), what.parameter, false}, values);
+  }
+  void set_references(const LearnedValues& what, const Values& values) const {
+    springnet::set_references(engine, members(what), what.members, values);
+  }
+  void set_masses(const LearnedValues& what, const Values& values) const {
+    springnet::set_masses(engine, what.members, values);
+  }
+  void set_neurons(const LearnedValues& what, const Values& values) const {
+    springnet::set_neurons(engine, what.members, what.parameter, values);
+  }
+};
+
 }  // namespace
 
 LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> learned) {
@@ -63,10 +97,10 @@ LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> lear
     for (const std::uint32_t member : each.members) {
       if (member >= most)
         throw Error(ErrorKind::input, fmt::format("learning: {} {} does not exist: the network has {}",
-                                                  name_of_members(each), member, most));
+                                                  member_name(each.kind, each.of_elements), member, most));
       if (std::exchange(listed[member], std::uint8_t{1}) != 0)
         throw Error(ErrorKind::input,
-                    fmt::format("learning: {} {} is listed twice{}{}", name_of_members(each), member,
+                    fmt::format("learning: {} {} is listed twice{}{}", member_name(each.kind, each.of_elements), member,
                                 each.parameter.empty() ? "" : ", for its parameter ", each.parameter));
       if (each.kind == Kind::initial_velocity && network.nodes()[member].fixed)
         throw Error(ErrorKind::input, fmt::format("learning: node {} is fixed and has no velocity to learn", member));
@@ -134,8 +168,9 @@ void LearnedSets::check(const Eigen::VectorXd& values) const {
   for (const Set& set : sets_)
     for (std::size_t i = 0; i < set.size(); ++i)
       if (const double value = values[static_cast<Eigen::Index>(set.first + i)]; !std::isfinite(value))
-        throw Error(ErrorKind::input, fmt::format("learning: a value of {} {} is {}", name_of_members(set.what),
-                                                  set.what.members[set.is_velocity() ? i / 3 : i], value));
+        throw Error(ErrorKind::input,
+                    fmt::format("learning: a value of {} {} is {}", member_name(set.what.kind, set.what.of_elements),
+                                set.what.members[set.is_velocity() ? i / 3 : i], value));
 }
 
 std::vector<double> LearnedSets::values_of(const Set& set, const Eigen::VectorXd& values) const {
@@ -153,7 +188,9 @@ void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) con
   }
 }
 
-void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const {
+// Target: OfSimulation or OfEngine.
+template <class Target>
+void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const {
   for (const Set& set : sets_) {
     const LearnedValues& what = set.what;
     if (what.members.empty()) continue;
@@ -161,22 +198,16 @@ void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorX
     switch (what.kind) {
       case Kind::spring_parameter:
       case Kind::viscosity_parameter:
-        if (what.of_elements)
-          simulation.set_element_parameter(what.members, law_of(what.kind), what.parameter, own);
-        else
-          simulation.set_parameter(what.members, law_of(what.kind), what.parameter, own);
+        target.set_parameters(what, own);
         break;
       case Kind::rest_length:
-        if (what.of_elements)
-          simulation.set_references(what.members, own);
-        else
-          simulation.set_rest_lengths(what.members, own);
+        target.set_references(what, own);
         break;
       case Kind::mass:
-        simulation.set_masses(what.members, own);
+        target.set_masses(what, own);
         break;
       case Kind::neuron_parameter:
-        simulation.set_neuron_parameter(what.members, what.parameter, own);
+        target.set_neurons(what, own);
         break;
       case Kind::initial_velocity:
         break;
@@ -184,30 +215,12 @@ void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorX
   }
 }
 
+void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const {
+  set_laws_and_masses(OfSimulation{simulation}, values);
+}
+
 void LearnedSets::set(Engine& engine, const Eigen::VectorXd& values) const {
-  const layers::Layout& layout = engine.model().layout;
-  for (const Set& set : sets_) {
-    const LearnedValues& what = set.what;
-    if (what.members.empty()) continue;
-    const std::vector<double> own = values_of(set, values);
-    switch (what.kind) {
-      case Kind::spring_parameter:
-      case Kind::viscosity_parameter:
-        set_values(engine, {layout, what.of_elements}, what.members, {law_of(what.kind), what.parameter, false}, own);
-        break;
-      case Kind::rest_length:
-        set_references(engine, {layout, what.of_elements}, what.members, own);
-        break;
-      case Kind::mass:
-        set_masses(engine, what.members, own);
-        break;
-      case Kind::neuron_parameter:
-        set_neurons(engine, what.members, what.parameter, own);
-        break;
-      case Kind::initial_velocity:
-        break;  // states are given with each request
-    }
-  }
+  set_laws_and_masses(OfEngine{engine}, values);  // states are given with each request
 }
 
 std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include <springnet/learning.hpp>
+#include <springnet/motion_derivatives.hpp>
 #include <springnet/sdk/host.hpp>
 
 #include "simulation/engine.hpp"
@@ -51,6 +51,8 @@ class LearnedSets {
     [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
     [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
   };
+  template <class Target>
+  void set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<double> values_of(const Set& set, const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<sdk::Host::ParameterSet> host_sets();
 

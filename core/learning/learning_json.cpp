@@ -10,37 +10,17 @@ namespace springnet {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Kind = LearnedValues::Kind;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 }  // namespace
 
-std::string_view name_of(LearnedValues::Kind kind) noexcept {
-  switch (kind) {
-    case Kind::spring_parameter:
-      return "spring";
-    case Kind::viscosity_parameter:
-      return "viscosity";
-    case Kind::rest_length:
-      return "rest_length";
-    case Kind::mass:
-      return "mass";
-    case Kind::neuron_parameter:
-      return "neuron";
-    case Kind::initial_velocity:
-      return "velocity";
-  }
-  return "";
-}
-
 std::string to_json(const LearnedNet& learned) {
   Json parameters = Json::array();
   for (const LearnedParameter& each : learned.parameters) {
-    const bool of_node = each.kind == Kind::mass || each.kind == Kind::neuron_parameter || each.axis >= 0;
     Json entry{{"kind", name_of(each.kind)}};
     if (!each.parameter.empty()) entry["parameter"] = each.parameter;
-    entry[of_node ? "node" : each.of_elements ? "element" : "spring"] = each.member;
+    entry[std::string(member_name(each.kind, each.of_elements))] = each.member;
     if (each.axis >= 0) entry["axis"] = each.axis;
     entry["variable"] = each.variable;
     entry["start"] = each.start;

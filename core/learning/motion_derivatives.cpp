@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
-#include <springnet/learning.hpp>
+#include <springnet/motion_derivatives.hpp>
 #include <springnet/sdk/host.hpp>
 
 #include "learning/learned_values.hpp"

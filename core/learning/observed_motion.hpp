@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include <springnet/learning.hpp>
+#include <springnet/motion_derivatives.hpp>
 #include <springnet/observations.hpp>
 
 namespace springnet::learning {

@@ -1,5 +1,6 @@
 // The paper's learning while the net moves.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -7,7 +8,9 @@
 #include <springnet/error.hpp>
 #include <springnet/learn.hpp>
 
+#include "learning/fit.hpp"
 #include "learning/observed_motion.hpp"
+#include "learning/result.hpp"
 #include "learning/variables.hpp"
 
 namespace springnet {
@@ -16,12 +19,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables) {
-  std::vector<LearnedValues> result;
-  for (const Learnable& each : learnables) result.push_back(each.values);
-  return result;
-}
 
 void check(const OnlineOptions& options, const Network& network, Eigen::Index variables) {
   if (!(options.rate > 0.0 && options.rate <= 1.0))
@@ -45,19 +42,16 @@ struct OnlineLearner::Impl {
        const SimulationOptions& simulation, const std::vector<Learnable>& learnables, const OnlineOptions& given)
       : options(given),
         nodes(net->nodes().size()),
-        motion(net, plugins, simulation, simulation.time_step, values_of(learnables)),
+        motion(net, plugins, simulation, simulation.time_step, learning::values_of(learnables)),
         variables(*net, *plugins, learnables, motion.values_of_network()),
         x(variables.start()),
         values(variables.values(x)) {
     check(options, *net, variables.count());
-    scale = VectorXd::Ones(variables.count());
-    for (Eigen::Index k = 0; k < x.size(); ++k)
-      if (!variables.is_logarithmic(k) && x[k] != 0.0) scale[k] = std::abs(x[k]);
     motion.begin_steps(values, changes());
   }
 
   // Of the values, for changes of the variables in units of their scale.
-  [[nodiscard]] MatrixXd changes() const { return variables.times(x, MatrixXd(scale.asDiagonal())); }
+  [[nodiscard]] MatrixXd changes() const { return variables.times(x, MatrixXd(variables.scale().asDiagonal())); }
 
   double step(const Observations& seen) {
     motion.make_step(values, changes());
@@ -73,7 +67,7 @@ struct OnlineLearner::Impl {
     }
     greatest = std::max(greatest, jacobian.squaredNorm());
     if (greatest > 0.0) {
-      x -= options.rate / greatest * scale.cwiseProduct(jacobian.transpose() * residuals);
+      x -= options.rate / greatest * variables.scale().cwiseProduct(jacobian.transpose() * residuals);
       x = x.cwiseMax(variables.lower()).cwiseMin(variables.upper());
       values = variables.values(x);
     }
@@ -84,7 +78,7 @@ struct OnlineLearner::Impl {
   std::size_t nodes;
   MotionDerivatives motion;
   learning::Variables variables;
-  VectorXd x, values, scale;
+  VectorXd x, values;
   double greatest = 0.0;  // square of the sensitivities of a step
 };
 
@@ -101,5 +95,44 @@ double OnlineLearner::step(const Observations& seen) { return impl_->step(seen);
 double OnlineLearner::time() const noexcept { return impl_->motion.time(1); }
 const VectorXd& OnlineLearner::variables() const noexcept { return impl_->x; }
 const VectorXd& OnlineLearner::values() const noexcept { return impl_->values; }
+
+LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<const PluginHost>& plugins,
+                        const std::vector<Learnable>& learnables, const OnlineOptions& options,
+                        const std::function<bool(const LearnProgress&)>& on_step) {
+  if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
+  learning::Fit fit({experiment}, plugins, learnables, 0.0);  // checks, and judges at the end
+  const learning::Variables& variables = fit.variables();
+  OnlineLearner learner(experiment.network, plugins, experiment.options, learnables, options);
+  LearnedNet result;
+  result.reason = "The motion was gone through once.";
+  const double last = experiment.observations.times().back();
+  constexpr double rounding = 1e-6;  // of a step
+  const double slack = rounding * experiment.options.time_step;
+  for (int step = 1; learner.time() < last - slack; ++step) {
+    const double from = learner.time(), until = from + experiment.options.time_step + slack;
+    const Observations seen = learning::part_of(experiment.observations, step == 1 ? from : from + slack, until);
+    const double cost = learner.step(seen), count = static_cast<double>(seen.value_count());
+    if (!(count > 0.0)) continue;
+    LearnProgress now{step, learner.time() / last, cost, std::sqrt(2.0 * cost / count), {}};
+    result.history.push_back(now);
+    now.values = learner.values();
+    if (!on_step || on_step(now)) continue;
+    result.reason = "It was stopped; the values are those until then.";
+    break;
+  }
+  result.values = learner.values();
+  result.observed = fit.observed();
+  result.variables = static_cast<std::size_t>(variables.count());
+  result.start_cost = 0.5 * fit.residuals(variables.start()).squaredNorm();
+  const VectorXd residuals = fit.residuals(learner.variables());
+  result.cost = 0.5 * residuals.squaredNorm();
+  result.rms = learning::rms_of(residuals, fit.observed());
+  if (result.cost > result.start_cost)
+    result.notes.emplace_back("The values at the end are worse than those at the start: learn more slowly (rate).");
+  if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
+  result.parameters = learning::list_parameters(learnables);
+  learning::describe(result, variables, learner.variables(), nullptr, {});
+  return result;
+}
 
 }  // namespace springnet

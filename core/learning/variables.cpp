@@ -68,9 +68,15 @@ Bounds bounds_of(const Network& network, const PluginHost& plugins, const Learne
 
 }  // namespace
 
+std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables) {
+  std::vector<LearnedValues> result;
+  for (const Learnable& each : learnables) result.push_back(each.values);
+  return result;
+}
+
 Variables::Variables(const Network& network, const PluginHost& plugins, const std::vector<Learnable>& learnables,
                      const VectorXd& start) {
-  std::vector<double> first, lower, upper;
+  std::vector<double> first, lower, upper, scale;
   std::size_t value = 0;
   for (const Learnable& each : learnables) {
     const bool is_velocity = each.values.kind == Kind::initial_velocity;
@@ -109,7 +115,7 @@ Variables::Variables(const Network& network, const PluginHost& plugins, const st
         first.push_back(to_variable(own));
         lower.push_back(low);
         upper.push_back(high);
-        logarithmic_.push_back(link.is_logarithmic);
+        scale.push_back(link.is_logarithmic || own == 0.0 ? 1.0 : std::abs(own));
       }
       link.variable = first.size() - 1;
       links_.push_back(link);
@@ -121,6 +127,7 @@ Variables::Variables(const Network& network, const PluginHost& plugins, const st
   start_ = vector_of(first);
   lower_ = vector_of(lower);
   upper_ = vector_of(upper);
+  scale_ = vector_of(scale);
 }
 
 double Variables::value_of(const Link& link, double x) {

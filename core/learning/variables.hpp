@@ -10,6 +10,8 @@
 
 namespace springnet::learning {
 
+[[nodiscard]] std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables);
+
 class Variables {
  public:
   // start: the values of the network. Throws Error(input) for parameters that are not declared learnable, and for
@@ -21,9 +23,8 @@ class Variables {
   [[nodiscard]] const Eigen::VectorXd& start() const noexcept { return start_; }
   [[nodiscard]] const Eigen::VectorXd& lower() const noexcept { return lower_; }
   [[nodiscard]] const Eigen::VectorXd& upper() const noexcept { return upper_; }
-  [[nodiscard]] bool is_logarithmic(Eigen::Index variable) const {
-    return logarithmic_[static_cast<std::size_t>(variable)];
-  }
+  // Changes of variables that count as the same: 1 of a logarithm, else the size of the value at the start.
+  [[nodiscard]] const Eigen::VectorXd& scale() const noexcept { return scale_; }
   [[nodiscard]] std::size_t variable_of(std::size_t value) const noexcept { return links_[value].variable; }
 
   // Within the bounds of the values, whatever rounding an exponential adds.
@@ -46,9 +47,8 @@ class Variables {
   };
   [[nodiscard]] static double value_of(const Link& link, double x);
 
-  std::vector<Link> links_;        // [value]
-  std::vector<bool> logarithmic_;  // [variable]
-  Eigen::VectorXd start_, lower_, upper_;
+  std::vector<Link> links_;  // [value]
+  Eigen::VectorXd start_, lower_, upper_, scale_;
 };
 
 }  // namespace springnet::learning

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,11 +18,9 @@
 #include "files/whole_file.hpp"
 #include "run/outputs.hpp"
 #include "run/record_times.hpp"
-#include "tables/table.hpp"
 #include "text/archive.hpp"
 #include "text/difference.hpp"
 #include "text/digest.hpp"
-#include "vtk/vtk_series.hpp"
 
 namespace springnet {
 
@@ -75,18 +74,16 @@ RunIdentity identity_of(const Scene& scene) {
                        {"output.precision", output.precision == OutputOptions::Precision::float64 ? "64" : "32"}};
   identity.emplace_back("title", scene.title);
   std::string files;
-  const auto add_file = [&files](const std::string& name) { files += (files.empty() ? "" : ", ") + name; };
-  for (const tables::Table& table : tables::all())
-    if (table.wanted(scene.network, output)) add_file(tables::file_name(table, output));
-  if (output.view) add_file("view.html");
-  if (output.vtk) add_file(vtk_index_name());
-  identity.emplace_back("output files", files);
-  // What is in each table, for a resumed one goes on under the header that it has.
-  for (const tables::Table& table : tables::all()) {
-    if (!table.wanted(scene.network, output)) continue;
-    const std::string name = tables::file_name(table, output);
-    identity.emplace_back("columns of " + name, csv_header(tables::form_of(table, scene.network, output)));
+  RunIdentity forms;
+  for (const auto& each : outputs()) {
+    if (!each->wanted(scene)) continue;
+    auto [file, form] = each->form(scene);
+    files += (files.empty() ? "" : ", ") + file;
+    if (!form.empty()) forms.emplace_back("columns of " + file, std::move(form));
   }
+  identity.emplace_back("output files", files);
+  // A table goes on under the header that it has.
+  identity.insert(identity.end(), forms.begin(), forms.end());
   identity.emplace_back("output.nodes", list_text(output.nodes, "all"));
   identity.emplace_back("output.springs", list_text(output.springs, "none"));
   identity.emplace_back("output.elements", list_text(output.element_numbers, "all"));

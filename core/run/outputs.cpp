@@ -71,6 +71,9 @@ class TableOutput : public Output {
     return fmt::format(fmt::runtime(table_.leave_out_hint), tables::file_name(table_, scene.output));
   }
   [[nodiscard]] std::string shrink_hint() const override { return std::string(table_.shrink_hint); }
+  [[nodiscard]] std::pair<std::string, std::string> form(const Scene& scene) const override {
+    return {tables::file_name(table_, scene.output), csv_header(tables::form_of(table_, scene.network, scene.output))};
+  }
   [[nodiscard]] std::vector<std::string> file_names() const override { return tables::file_names(table_); }
 
  private:
@@ -116,6 +119,7 @@ class PageOutput : public Output {
     return fmt::format("leave out {} (output.view = false)", view_file);
   }
   [[nodiscard]] std::string shrink_hint() const override { return "make the page smaller (output.view_size)"; }
+  [[nodiscard]] std::pair<std::string, std::string> form(const Scene&) const override { return {view_file, ""}; }
   [[nodiscard]] std::vector<std::string> file_names() const override { return {view_file, part_name(view_file)}; }
 };
 
@@ -179,6 +183,7 @@ class VtkOutput : public Output {
     return fmt::format("leave out {} (output.vtk = false)", name());
   }
   [[nodiscard]] std::string shrink_hint() const override { return "make fewer pictures (output.vtk_interval)"; }
+  [[nodiscard]] std::pair<std::string, std::string> form(const Scene&) const override { return {vtk_index_name(), ""}; }
   [[nodiscard]] std::vector<std::string> file_names() const override { return {}; }
   void visit_earlier(const OutputFolder::Pointer& folder, const Visit& visit) const override;
   void clear(const OutputFolder::Pointer& folder) const override {

@@ -67,7 +67,9 @@ class Output {
   [[nodiscard]] virtual std::string leave_out_hint(const Scene& scene) const = 0;
   [[nodiscard]] virtual std::string shrink_hint() const { return ""; }
 
-  // Names of the files that it writes into the folder itself.
+  // Name of the file that it writes under these options, and what is in it that a resumed run has to go on with.
+  [[nodiscard]] virtual std::pair<std::string, std::string> form(const Scene& scene) const = 0;
+  // Every name that its files in the folder itself can have.
   [[nodiscard]] virtual std::vector<std::string> file_names() const = 0;
   // Calls `visit` for each file or link of an earlier run, that is one with a name that this output uses.
   using Visit = std::function<void(const OutputFolder& folder, const std::string& name)>;

@@ -38,34 +38,30 @@ void require_space(const Scene& scene, const RunOptions& options) {
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(nearest_existing(folder), unknown);
   if (unknown) return;  // a file system that does not report its free space is no reason to refuse
-  const double trace = options.trace ? Profiler::trace_bytes(run_trace_events) : 0.0;
-  const double checkpoint = options.checkpoint > 0.0 ? checkpoint_bytes(scene) : 0.0;
-  const double available = static_cast<double>(space.available), earlier = static_cast<double>(earlier_bytes(folder));
-  if (trace + checkpoint > available + earlier)
-    throw Error(ErrorKind::input,
-                fmt::format("{}: {} are free, and {} need up to {}; make room, write to another disk, or leave out {}",
-                            folder.string(), readable_bytes(available + earlier),
-                            trace > 0.0 && checkpoint > 0.0 ? "checkpoints and the trace"
-                            : trace > 0.0                   ? "the trace"
-                                                            : "checkpoints",
-                            readable_bytes(trace + checkpoint),
-                            trace > 0.0 && checkpoint > 0.0 ? "one of them"
-                            : trace > 0.0                   ? "--trace"
-                                                            : "--checkpoint"));
-  const auto refusal = space_refusal(scene, {available - trace - checkpoint, earlier}, folder.string());
-  if (refusal) throw Error(ErrorKind::input, *refusal);
+  const double earlier = static_cast<double>(earlier_bytes(folder));
+  double left = static_cast<double>(space.available) + earlier;
+  const auto take = [&](double bytes, const char* what, const char* option) {
+    if (bytes > left)
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: {} are free, and {} may take {}; make room, write to another disk, or leave out {}",
+                              folder.string(), readable_bytes(left), what, readable_bytes(bytes), option));
+    left -= bytes;
+  };
+  if (options.trace) take(Profiler::trace_bytes(run_trace_events), "the trace", "--trace");
+  if (options.checkpoint > 0.0) take(checkpoint_bytes(scene), "checkpoints", "--checkpoint");
+  if (const auto refusal = space_refusal(scene, {left - earlier, earlier}, folder.string()))
+    throw Error(ErrorKind::input, *refusal);
 }
 
-// What does not fit a checkpoint is told with its file.
-template <class Work>
+// `Refused`: what is thrown by work that does not fit the checkpoint, and names no file.
+template <class Refused, class Work>
 void as_of_checkpoint(const OutputFolder& folder, const Work& work) {
   try {
     work();
-  } catch (const Error& error) {
-    const std::string what = error.what(), file = (folder.path() / checkpoint_file).string();
-    const bool is_of_file = what.find(folder.path().string()) != std::string::npos;  // it names one, and a remedy
-    if (error.kind() != ErrorKind::input || is_of_file) throw;
-    throw Error(ErrorKind::input, fmt::format("{}: {}; undo the change, or run without --resume", file, what));
+  } catch (const Refused& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    throw Error(ErrorKind::input, fmt::format("{}: {}; undo the change, or run without --resume",
+                                              (folder.path() / checkpoint_file).string(), error.what()));
   }
 }
 
@@ -362,13 +358,13 @@ RunSummary run_scene(const Scene& scene, const std::shared_ptr<const PluginHost>
     const std::string content = read_checkpoint(folder, identity_of(scene));
     Archive archive{std::string_view(content)};
     // Until all is there and fits, nothing is changed in the folder.
-    as_of_checkpoint(*folder, [&] {
+    as_of_checkpoint<Error>(*folder, [&] {
       std::string state;
       archive.text(state);
       simulation.restore(state);
     });
     begin();
-    as_of_checkpoint(*folder, [&] { timeline->archive(archive); });
+    as_of_checkpoint<ArchiveError>(*folder, [&] { timeline->archive(archive); });
     if (options.checkpoint > 0.0 && options.checkpoint != timeline->checkpoint_interval())
       throw Error(ErrorKind::input,
                   fmt::format("--checkpoint is {} s, and was {} s in the run that is to be resumed; leave it out",

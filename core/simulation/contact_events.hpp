@@ -34,8 +34,8 @@ class ContactEvents {
     if (committed_revision_ != model_.revision) sources_revision_ = 0;
     committed_revision_ = model_.revision;
   }
-  // Sources are listed anew, with offsets from the committed state, and once more after the next commit: the revision
-  // that this simulation counts is another one in a copy of it.
+  // Sources are listed anew, with offsets from the committed state, now and after the next commit: in a copy, which
+  // counts other revisions, that commit would do so.
   void forget() noexcept { sources_revision_ = committed_revision_ = 0; }
   // Of these, and after them of the springs and elements that may break.
   [[nodiscard]] std::size_t count() { return sources().size() + topology_.rupturing_count(); }

@@ -15,17 +15,23 @@
 
 namespace springnet {
 
+// What is read does not have what is wanted.
+class ArchiveError : public Error {
+ public:
+  explicit ArchiveError(const std::string& message) : Error(ErrorKind::input, message) {}
+};
+
 class Archive {
  public:
   // Appends to `out`.
   explicit Archive(std::string* out) : out_(out) {}
-  // Takes from `in`. Functions throw Error(input) where it does not have what they want.
+  // Takes from `in`. Functions throw ArchiveError where it does not have what they want.
   explicit Archive(std::string_view in) : in_(in) {}
 
   [[nodiscard]] bool reads() const noexcept { return out_ == nullptr; }
   [[nodiscard]] std::size_t left() const noexcept { return in_.size(); }
   [[noreturn]] static void refuse(const std::string& what) {
-    throw Error(ErrorKind::input, "the saved state is damaged, or of another simulation: " + what);
+    throw ArchiveError("the saved state is damaged, or of another simulation: " + what);
   }
 
   template <class Number>

@@ -65,15 +65,6 @@ Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::
   return result;
 }
 
-std::string name_of_value(const LearnedParameter& each) {
-  const bool of_node =
-      each.axis >= 0 || each.kind == LearnedValues::Kind::mass || each.kind == LearnedValues::Kind::neuron_parameter;
-  std::string name(name_of(each.kind));
-  if (!each.parameter.empty()) name += "." + each.parameter;
-  if (each.axis >= 0) name += fmt::format(".{}", "xyz"[each.axis]);
-  return fmt::format("{} of {} {}", name, of_node ? "node" : each.of_elements ? "element" : "spring", each.member);
-}
-
 // One row for each variable.
 std::string table_of(const LearnedNet& learned) {
   constexpr std::size_t most = 12;
@@ -89,7 +80,8 @@ std::string table_of(const LearnedNet& learned) {
     std::string interval = std::isfinite(each.determined) ? "not determined" : "not known";
     if (std::isfinite(each.upper)) interval = fmt::format("{:.6g} to {:.6g}", each.lower, each.upper);
     if (each.at_bound) interval += ", at its bound";
-    rows.push_back({name_of_value(each), fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
+    rows.push_back({fmt::format("{} of {} {}", name_of(each), member_name(each.kind, each.of_elements), each.member),
+                    fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
                     std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
   }
   std::string text = align_columns(rows);

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <map>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -45,21 +44,13 @@ Figure course_of(const LearnedNet& learned) {
 
 // Values of one kind over their members: start, learned, ends of the intervals.
 std::vector<Figure> values_of(const LearnedNet& learned) {
-  using Key = std::tuple<int, bool, std::string, int>;
-  std::map<Key, std::vector<const LearnedParameter*>> kinds;
-  for (const LearnedParameter& each : learned.parameters)
-    kinds[{static_cast<int>(each.kind), each.of_elements, each.parameter, each.axis}].push_back(&each);
+  std::map<std::string, std::vector<const LearnedParameter*>> kinds;
+  for (const LearnedParameter& each : learned.parameters) kinds[name_of(each)].push_back(&each);
   std::vector<Figure> result;
-  for (const auto& [key, list] : kinds) {
+  for (const auto& [name, list] : kinds) {
     const LearnedParameter& first = *list.front();
-    std::string name(name_of(first.kind));
-    if (!first.parameter.empty()) name += "." + first.parameter;
-    if (first.axis >= 0) name += fmt::format(", {}", "xyz"[first.axis]);
-    if (first.of_elements) name = "element." + name;
-    const bool of_nodes = first.axis >= 0 || first.kind == LearnedValues::Kind::mass ||
-                          first.kind == LearnedValues::Kind::neuron_parameter;
     FigurePanel panel;
-    panel.x_label = of_nodes ? "node" : first.of_elements ? "element" : "spring";
+    panel.x_label = member_name(first.kind, first.of_elements);
     panel.y_label = name;
     FigureCurve start{"start", {}, {}, true, false}, value{"learned", {}, {}, false, true};
     FigureCurve lower{"95 % interval", {}, {}, true, false}, upper{"", {}, {}, true, false};

@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include <springnet/learning.hpp>
+#include <springnet/motion_derivatives.hpp>
 #include <springnet/scene.hpp>
 
 namespace {

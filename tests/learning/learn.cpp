@@ -1,7 +1,6 @@
 // What learn() tells: intervals, what the data do not determine, bounds, the share of the time step.
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include <springnet/scene_writer.hpp>
 
 #include "learning_nets.hpp"
+#include "refusal.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -40,15 +40,6 @@ Observations of_oscillator(double until, double noise = 0.0, std::uint64_t seed 
     result.positions.push_back(seen);
   }
   return result;
-}
-
-std::string refusal(const std::function<void()>& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -272,7 +263,7 @@ TEST_CASE("what is learned is selected by text") {
   CHECK(members("velocity") == 63);
   CHECK(select_learnable(net, *plugins(), "spring.stiffness:together").together);
   const auto refused = [&](const char* text) {
-    return refusal([&] { static_cast<void>(select_learnable(net, *plugins(), text)); });
+    return refusal_of([&] { static_cast<void>(select_learnable(net, *plugins(), text)); });
   };
   CHECK(has(refused("spring.stifness"), "did you mean 'stiffness'"));
   CHECK(has(refused("mass@cub"), "did you mean 'cube'"));
@@ -286,12 +277,12 @@ TEST_CASE("what is learned is selected by text") {
 TEST_CASE("observations and starts that do not fit are refused") {
   const Network net = oscillator(damped(8.0, 0.2), 2.0, 0.1);
   const auto refused = [&](Observations seen, std::vector<Learnable> learnables) {
-    return refusal([&] {
+    return refusal_of([&] {
       static_cast<void>(learn({experiment(net, to_learn_with(0.5, 0.04), std::move(seen))}, plugins(), learnables));
     });
   };
   CHECK(has(refused({}, {stiffness}), "observ"));
-  CHECK(has(refusal([&] { static_cast<void>(learn({}, plugins(), {stiffness})); }), "no experiment"));
+  CHECK(has(refusal_of([&] { static_cast<void>(learn({}, plugins(), {stiffness})); }), "no experiment"));
   Observations unknown = of_oscillator(1.0);
   unknown.positions[0].node = 7;
   CHECK(has(refused(unknown, {stiffness}), "7"));

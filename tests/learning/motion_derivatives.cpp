@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <springnet/error.hpp>
-#include <springnet/learning.hpp>
+#include <springnet/motion_derivatives.hpp>
 
 #include "generator.hpp"
 #include "nets.hpp"

@@ -6,9 +6,9 @@
 
 #include <doctest/doctest.h>
 
-#include <springnet/error.hpp>
 #include <springnet/observations.hpp>
 
+#include "refusal.hpp"
 #include "temporary_folder.hpp"
 
 namespace springnet::testing {
@@ -29,17 +29,6 @@ class Tables {
 
 inline Observations read(const std::string& text) { return Tables().read(text); }
 
-// The message of an Error(input); empty if there is none.
-template <class Function>
-std::string refusal_of(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    CHECK(error.kind() == ErrorKind::input);
-    return error.what();
-  }
-  return {};
-}
 inline std::string refusal(const std::string& text) {
   return refusal_of([&] { static_cast<void>(read(text)); });
 }

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include <springnet/export.hpp>
-#include <springnet/learning.hpp>
+#include <springnet/motion_derivatives.hpp>
 #include <springnet/observations.hpp>
 #include <springnet/plugin_host.hpp>
 #include <springnet/simulation.hpp>
@@ -80,6 +80,8 @@ struct LearnedParameter {
   // Estimate of what half the time step would add to the value: the share of the method's error in it.
   double by_time_step = 0.0;
 };
+// "spring.stiffness", "element.viscosity.damping", "velocity.x"
+[[nodiscard]] SPRINGNET_API std::string name_of(const LearnedParameter& parameter);
 
 struct LearnedNet {
   std::vector<LearnedParameter> parameters;
@@ -154,8 +156,6 @@ class SPRINGNET_API OnlineLearner {
                                                 const std::vector<Learnable>& learnables,
                                                 const Eigen::VectorXd& values);
 
-// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity"
-[[nodiscard]] SPRINGNET_API std::string_view name_of(LearnedValues::Kind kind) noexcept;
 [[nodiscard]] SPRINGNET_API std::string to_json(const LearnedNet& learned);
 
 }  // namespace springnet

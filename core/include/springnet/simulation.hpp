@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 
+#include <springnet/error.hpp>
 #include <springnet/export.hpp>
 #include <springnet/instruction_set.hpp>
 #include <springnet/network.hpp>

@@ -22,8 +22,8 @@ class Deadline {
              std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds > 0.0 ? seconds : 0.0));
   }
   void clear() noexcept { is_set_ = false; }
-  // From any thread, or a signal handler: as if the time were over.
   using Flag = std::atomic<bool>;
+  // From any thread, or a signal handler: as if the time were over.
   static void ask(Flag& flag) noexcept { flag.store(true, std::memory_order_relaxed); }
   // For ask(), by whoever outlives this object.
   [[nodiscard]] const std::shared_ptr<Flag>& flag() const noexcept { return asked_; }

@@ -282,7 +282,7 @@ void ReferenceIntegrator::advance(double until, springnet_step_report& report) {
 
 // CVODE is created anew: CVodeReInit leaves estimates behind, such as the rate at which iterations converge.
 void ReferenceIntegrator::forget() {
-  if (memory_) total_ += counters();  // no restart of the motion, and a restored simulation would count another number
+  if (memory_) total_ += counters();  // not a restart: a simulation that is restored here would count one less
   memory_.reset();
   callbacks_.newton.reset();
   fixed_point_.reset();

@@ -71,8 +71,8 @@ class GeneralizedAlpha : public Integrator {
       "generalized-alpha method (J. Appl. Mech. 60, 1993)";
   static constexpr bool integrates_states = true;
   static constexpr bool locates_events = true;
-  // Of a time step. A law near its limit may need smaller parts without end.
-  static constexpr std::uint64_t most_parts = 100000;
+  // Of a time step: more are a search without end, as for a law at its limit.
+  static constexpr std::uint64_t most_parts = 20000;
   static constexpr Parameter parameters[] = {
       number("spectral_radius", "1", "what a step leaves of motions much faster than it; 1: no damping")
           .preset(0.8)

@@ -28,8 +28,10 @@ void Threshold::set(Step& step) {
   if (requested < step.rounding && !exact_sweeps_) note(requested, step);
 }
 
-void Threshold::note(double requested, const Step& step) const {
+void Threshold::note(double requested, const Step& step) {
   host_.report("force_rounding", step.rounding);
+  if (noted_) return;
+  noted_ = true;
   std::array<char, 320> text{};
   std::snprintf(text.data(), text.size(),
                 "force_tolerance, %.3g N%s, is below the rounding error of the forces, about %.2g N (stiffness times "

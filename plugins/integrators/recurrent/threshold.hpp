@@ -31,12 +31,13 @@ class Threshold {
 
  private:
   void set(Step& step);
-  void note(double requested, const Step& step) const;
+  void note(double requested, const Step& step);
 
   sdk::Host host_;
   ForceRounding rounding_;
   double requested_;  // N
   bool exact_sweeps_;
+  bool noted_ = false;  // spares the text: the host keeps one on a topic
   // The rounding changes as laws stiffen and bodies travel.
   static constexpr std::uint64_t steps_per_estimate = 256;
   std::uint64_t steps_since_estimate_ = steps_per_estimate;  // the first step estimates

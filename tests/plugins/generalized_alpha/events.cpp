@@ -159,3 +159,29 @@ TEST_CASE("internal states of laws go on from where they are at an event that ta
   CHECK(own.internal_states(spring)[0] == doctest::Approx(reference.internal_states(spring)[0]).epsilon(2e-3));
   CHECK(own.tension(spring) == doctest::Approx(reference.tension(spring)).epsilon(5e-3));
 }
+
+// The muscle shortens to some 1e-5 m, and the nodes slip and stick without end.
+TEST_CASE("a step whose parts have no end is an error that tells how far it has come") {
+  Network net;
+  const auto dragged = net.add_neuron({"dragged", {{"drag", 1e-3}}});
+  for (const double x : {0.06, 0.07}) {
+    Node node = point({x, 0.02, 0.03}, 1e-3);
+    node.neuron = dragged;
+    net.add_node(node);
+  }
+  const SpringIndex muscle =
+      net.add_spring(0, 1, net.add_material({LawUse{"muscle", {{"strength", 0.5}}}, std::nullopt}));
+  Input activation;
+  activation.input = "activation";
+  activation.springs = {muscle};
+  activation.signal.times = {0, 1, 2, 4};
+  activation.signal.values = {0, 1, 0.2, 0.8};
+  net.add_input(activation);
+  Plane floor{"floor", {0, 0, 0}, {0, 0, 1}};
+  floor.friction = {Friction::Kind::coulomb, 0.4};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -9.81});
+  Simulation s = simulate(net, {"generalized_alpha", {}}, 0.005);
+  CHECK_THROWS_WITH_AS(s.advance_to(0.5), doctest::Contains("parts the step has come to"), Error);
+  CHECK(s.time() > 0.4);
+}

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,6 +38,11 @@ struct LearnedValues {
   std::string parameter;               // its name; of masses, rest lengths and velocities: empty
   std::vector<std::uint32_t> members;  // springs, elements or nodes: the user's numbers
 };
+
+// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity"
+[[nodiscard]] SPRINGNET_API std::string_view name_of(LearnedValues::Kind kind) noexcept;
+// "node", "spring" or "element"
+[[nodiscard]] SPRINGNET_API std::string_view member_name(LearnedValues::Kind kind, bool of_elements) noexcept;
 
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
 // SimulationOptions::time_step. Nets with rigid connections, laws with internal states, changes at times, events that

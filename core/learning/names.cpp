@@ -1,0 +1,41 @@
+#include <string>
+#include <string_view>
+
+#include <springnet/learn.hpp>
+
+namespace springnet {
+
+using Kind = LearnedValues::Kind;
+
+std::string_view name_of(Kind kind) noexcept {
+  switch (kind) {
+    case Kind::spring_parameter:
+      return "spring";
+    case Kind::viscosity_parameter:
+      return "viscosity";
+    case Kind::rest_length:
+      return "rest_length";
+    case Kind::mass:
+      return "mass";
+    case Kind::neuron_parameter:
+      return "neuron";
+    case Kind::initial_velocity:
+      return "velocity";
+  }
+  return "";
+}
+
+std::string_view member_name(Kind kind, bool of_elements) noexcept {
+  if (kind == Kind::mass || kind == Kind::neuron_parameter || kind == Kind::initial_velocity) return "node";
+  return of_elements ? "element" : "spring";
+}
+
+std::string name_of(const LearnedParameter& parameter) {
+  std::string name(parameter.of_elements ? "element." : "");
+  name += name_of(parameter.kind);
+  if (!parameter.parameter.empty()) name += "." + parameter.parameter;
+  if (parameter.axis >= 0) name += std::string(".") + "xyz"[parameter.axis];
+  return name;
+}
+
+}  // namespace springnet

@@ -1,0 +1,68 @@
+#include "learning/result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+namespace springnet::learning {
+
+using Eigen::VectorXd;
+using Kind = LearnedValues::Kind;
+
+double rms_of(const VectorXd& residuals, std::size_t observed) {
+  return observed > 0 ? std::sqrt(residuals.squaredNorm() / static_cast<double>(observed)) : 0.0;
+}
+
+Observations part_of(const Observations& all, double from, double until) {
+  Observations part;
+  part.files = all.files;
+  const auto copy = [&](const auto& rows, auto& to) {
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(to),
+                 [&](const auto& row) { return row.time >= from && row.time <= until; });
+  };
+  copy(all.positions, part.positions);
+  copy(all.velocities, part.velocities);
+  copy(all.distances, part.distances);
+  return part;
+}
+
+std::vector<LearnedParameter> list_parameters(const std::vector<Learnable>& learnables) {
+  std::vector<LearnedParameter> result;
+  for (const Learnable& each : learnables)
+    for (const std::uint32_t member : each.values.members)
+      for (int axis = 0; axis < (each.values.kind == Kind::initial_velocity ? 3 : 1); ++axis) {
+        LearnedParameter parameter;
+        parameter.kind = each.values.kind;
+        parameter.of_elements = each.values.of_elements;
+        parameter.parameter = each.values.parameter;
+        parameter.member = member;
+        parameter.axis = each.values.kind == Kind::initial_velocity ? axis : -1;
+        result.push_back(std::move(parameter));
+      }
+  return result;
+}
+
+void describe(LearnedNet& learned, const Variables& variables, const VectorXd& x, const Certainty* certainty,
+              const VectorXd& shift) {
+  for (std::size_t k = 0; k < learned.parameters.size(); ++k) {
+    LearnedParameter& each = learned.parameters[k];
+    each.variable = variables.variable_of(k);
+    const auto j = static_cast<Eigen::Index>(each.variable);
+    each.start = variables.value_at(k, variables.start(), 0.0);
+    each.value = variables.value_at(k, x, 0.0);
+    each.at_bound = x[j] <= variables.lower()[j] || x[j] >= variables.upper()[j];
+    const double infinite = std::numeric_limits<double>::infinity();
+    const double width = certainty == nullptr ? infinite : certainty->half_width(j) * variables.scale()[j];
+    const bool is_known = std::isfinite(width);  // else the bounds of the law would pass for an interval
+    const double ends[] = {is_known ? variables.value_at(k, x, -width) : -infinite,
+                           is_known ? variables.value_at(k, x, width) : infinite};
+    each.lower = std::min(ends[0], ends[1]);
+    each.upper = std::max(ends[0], ends[1]);
+    each.determined = certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(j);
+    each.by_time_step = shift.size() == 0 ? std::numeric_limits<double>::quiet_NaN() : variables.slope(k, x) * shift[j];
+  }
+}
+
+}  // namespace springnet::learning
