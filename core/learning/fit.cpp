@@ -37,7 +37,7 @@ std::vector<double> times_of(const MotionDerivatives& motion) {
 }  // namespace
 
 Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
-         const std::vector<Learnable>& learnables, double guess_weight)
+         const std::vector<Learnable>& learnables, double guess_weight, std::size_t memory)
     : root_guess_weight_(std::sqrt(guess_weight)) {
   if (experiments.empty()) throw Error(ErrorKind::input, "learning: there is no experiment");
   if (!(guess_weight >= 0.0) || !std::isfinite(guess_weight))
@@ -49,6 +49,7 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     check_observations(each.observations, each.network->nodes().size(), 0.0, duration);
     auto motion =
         std::make_unique<MotionDerivatives>(each.network, plugins, each.options, duration, values_of(learnables));
+    motion->set_memory(memory / experiments.size());
     const VectorXd start = motion->values_of_network();
     if (!variables_) variables_ = std::make_unique<Variables>(*each.network, *plugins, learnables, start);
     motion->run(variables_->values(variables_->start()));

@@ -18,8 +18,9 @@ namespace springnet::learning {
 class Fit {
  public:
   // Throws Error(input) for observations and learnables that do not fit the networks.
+  // memory: bytes, of the states of all motions.
   Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
-      const std::vector<Learnable>& learnables, double guess_weight);
+      const std::vector<Learnable>& learnables, double guess_weight, std::size_t memory);
 
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }

@@ -90,9 +90,9 @@ std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) 
 VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
                             const learning::Certainty& certainty, const VectorXd& scale, const VectorXd& x,
-                            const VectorXd& residuals, std::vector<std::string>& notes) {
+                            const VectorXd& residuals, std::size_t memory, std::vector<std::string>& notes) {
   try {
-    learning::Fit half(with_half_the_step(experiments), plugins, learnables, 0.0);
+    learning::Fit half(with_half_the_step(experiments), plugins, learnables, 0.0, memory);
     const VectorXd other = half.residuals(x);
     if (other.allFinite()) return certainty.change_for(other - residuals).cwiseProduct(scale);
     notes.push_back("How far half the time step would move the values is not known: " + half.why_failed());
@@ -108,7 +108,7 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
 LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
                  const std::vector<Learnable>& learnables, const LearnOptions& options) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
-  learning::Fit fit(experiments, plugins, learnables, options.guess_weight);
+  learning::Fit fit(experiments, plugins, learnables, options.guess_weight, options.memory);
   const learning::Variables& variables = fit.variables();
   LearnedNet result;
   Search search{options, variables, result.history};
@@ -127,7 +127,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
     const double share = std::ldexp(1.0, -stage);
     const std::vector<Experiment> first = first_part(experiments, share);
     if (first.empty()) continue;
-    learning::Fit part(first, plugins, learnables, options.guess_weight);
+    learning::Fit part(first, plugins, learnables, options.guess_weight, options.memory);
     start = search.run(part, better(part), share).x;
   }
   learning::Minimum minimum;
@@ -162,8 +162,8 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   const learning::Certainty certainty(jacobian, residuals, fit.observed());
   result.singular_values = certainty.singular_values();
   result.undetermined = certainty.undetermined();
-  const VectorXd shift =
-      shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals, result.notes);
+  const VectorXd shift = shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals,
+                                            options.memory, result.notes);
   learning::describe(result, variables, minimum.x, &certainty, shift);
   return result;
 }

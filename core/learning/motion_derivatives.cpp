@@ -12,6 +12,7 @@
 
 #include "learning/learned_values.hpp"
 #include "learning/step_solver.hpp"
+#include "learning/trajectory.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
 
@@ -56,10 +57,7 @@ bool have_no_jumps(const Network& network) {
 
 // Vectors of all nodes have the engine's order, x of all nodes, then y, then z.
 struct MotionDerivatives::Impl {
-  struct State {
-    double time;  // s
-    VectorXd p, v;
-  };
+  using State = learning::Trajectory::State;
   // A step at the state where it ends, and how its derivatives are weighed.
   struct Step {
     const State &from, &until;
@@ -70,6 +68,7 @@ struct MotionDerivatives::Impl {
        const SimulationOptions& options, double duration, std::vector<LearnedValues> values)
       : learned(*net, std::move(values)),
         simulation(net, plugins, options),
+        trajectory(simulation, [this](State& to) { record(to); }),
         engine(*net, *plugins, options),
         table(make_host_table(engine)),
         host(table),
@@ -99,8 +98,8 @@ struct MotionDerivatives::Impl {
     result.velocity = {at.v.data(), at.v.data() + nodes, at.v.data() + 2 * nodes};
     return result;
   }
-  [[nodiscard]] Step step(std::size_t k) const {
-    const State &from = states[k - 1], &until = states[k];
+  [[nodiscard]] Step step(std::size_t k) {
+    const auto [from, until] = trajectory.step(k);
     const double h = until.time - from.time;
     return {from, until, theta * h, (1.0 - theta) * h};
   }
@@ -128,13 +127,22 @@ struct MotionDerivatives::Impl {
             from(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k));
   }
 
-  [[nodiscard]] const State& at(std::size_t state) const {
-    if (state < states.size()) return states[state];
-    throw Error(ErrorKind::input,
-                fmt::format("learning: state {} does not exist: the last run has {}", state, states.size()));
+  void check_number(std::size_t state) const {
+    if (state >= trajectory.size())
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: state {} does not exist: the last run has {}", state, trajectory.size()));
+  }
+  [[nodiscard]] const State& at(std::size_t state) {
+    check_number(state);
+    return trajectory.at(state);
   }
   void run(const VectorXd& values);
-  void record(std::vector<State>& to) const;
+  void record(State& to) const;
+  [[nodiscard]] State present() const {
+    State result;
+    record(result);
+    return result;
+  }
   void check_step() const;
   void begin_tangent(const MatrixXd& directions);
   [[nodiscard]] MatrixXd columns_in_user_order(const MatrixXd& values) const;
@@ -156,7 +164,8 @@ struct MotionDerivatives::Impl {
 
   learning::LearnedSets learned;
   Simulation simulation;
-  Engine engine;  // answers for derivatives, at the states of the last run
+  learning::Trajectory trajectory;  // of the last run
+  Engine engine;                    // answers for derivatives, at the states of the last run
   springnet_host table;
   sdk::Host host;
   learning::StepSolver solver;
@@ -166,8 +175,7 @@ struct MotionDerivatives::Impl {
   std::size_t steps, nodes = 0;
   std::string start;
   VectorXd network_values;
-  std::vector<State> states;  // of the last run
-  VectorXd dp, dv;            // the change of a state, or derivatives of the loss by it
+  VectorXd dp, dv;  // the change of a state, or derivatives of the loss by it
   VectorXd rhs, product, other, solution, work;
   VectorXd weights;                  // of the accelerations at a state
   VectorXd pending;                  // those that the step after a state has for its start; empty: none
@@ -175,16 +183,16 @@ struct MotionDerivatives::Impl {
   MatrixXd dps_before, dvs_before;   // at the start of the step made last
 };
 
-void MotionDerivatives::Impl::record(std::vector<State>& to) const {
-  State state{simulation.time(), VectorXd(size()), VectorXd(size())};
+void MotionDerivatives::Impl::record(State& to) const {
+  to.time = simulation.time();
+  to.p.resize(size());
+  to.v.resize(size());
+  const auto n = static_cast<Eigen::Index>(nodes);
   const ConstNodeMap p = simulation.positions(), v = simulation.velocities();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    state.p.segment(axis * static_cast<Eigen::Index>(nodes), static_cast<Eigen::Index>(nodes)) =
-        p.row(axis).transpose();
-    state.v.segment(axis * static_cast<Eigen::Index>(nodes), static_cast<Eigen::Index>(nodes)) =
-        v.row(axis).transpose();
+    to.p.segment(axis * n, n) = p.row(axis).transpose();
+    to.v.segment(axis * n, n) = v.row(axis).transpose();
   }
-  to.push_back(std::move(state));
 }
 
 // What the derivative of a fixed point does not describe.
@@ -205,16 +213,8 @@ void MotionDerivatives::Impl::run(const VectorXd& values) {
   learned.check(values);
   simulation.restore(start);
   learned.set(simulation, values);
-  std::vector<State> made;
-  made.reserve(steps + 1);
-  record(made);
-  for (std::size_t k = 0; k < steps; ++k) {
-    simulation.step();
-    check_step();
-    record(made);
-  }
+  trajectory.run(steps, [this](std::size_t) { check_step(); });
   learned.set(engine, values);
-  states = std::move(made);
 }
 
 // Each column of dps and dvs is the change of a state.
@@ -272,7 +272,7 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
   begin_tangent(directions);
   for (std::size_t k = 0;; ++k) {
     told(k, columns_in_user_order(dps), columns_in_user_order(dvs));
-    if (k + 1 >= states.size()) return;
+    if (k + 1 >= trajectory.size()) return;
     with_messages([&] { step_forwards(step(k + 1)); });
   }
 }
@@ -285,23 +285,19 @@ void MotionDerivatives::Impl::begin_steps(const VectorXd& values, const MatrixXd
   begin_tangent(directions);
   dps_before = dps;
   dvs_before = dvs;
-  states.clear();
-  record(states);
-  record(states);
+  trajectory.hold(present(), present());
 }
 
 void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& directions) {
-  if (states.size() != 2 || directions.cols() != dps.cols())
+  if (trajectory.size() != 2 || directions.cols() != dps.cols())
     throw Error(ErrorKind::input, "learning: steps are made after begin_steps(), with as many changes");
   learned.check(values);
   for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
   learned.set_without_start(simulation, values);
-  std::vector<State> made{states[1]};
   simulation.step();
   check_step();
-  record(made);
+  trajectory.hold(trajectory.at(1), present());
   learned.set(engine, values);
-  states = std::move(made);
   changes = directions;
   dps_before = dps;
   dvs_before = dvs;
@@ -324,8 +320,7 @@ void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   weights.setZero(size());
   // The accelerations at the start of the next step have other loads than those at the end of this one.
   if (pending.size() > 0 && !same_at_both) {
-    const Step next = step(k + 1);
-    host.begin_step(next.from.time, next.until.time);
+    host.begin_step(trajectory.time(k), trajectory.time(k + 1));
     host.linearise(end);
     add_start();
     learned.add_cotangent(host, end, weights.data());
@@ -354,7 +349,7 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   dv.setZero();
   pending.resize(0);
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
-  for (std::size_t k = states.size(); k-- > 0;) {
+  for (std::size_t k = trajectory.size(); k-- > 0;) {
     StateChange own{zero, zero};
     add(k, own);
     if (own.positions.cols() != zero.cols() || own.velocities.cols() != zero.cols())
@@ -367,8 +362,8 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   }
   if (pending.size() > 0)
     with_messages([&] {
-      const springnet_evaluation start_state = evaluation(states.front());
-      host.begin_step(states[0].time, states[1].time);
+      const springnet_evaluation start_state = evaluation(trajectory.at(0));
+      host.begin_step(trajectory.time(0), trajectory.time(1));
       host.linearise(start_state);
       weights.setZero(size());
       add_start();
@@ -393,9 +388,12 @@ std::size_t MotionDerivatives::value_count() const noexcept { return impl_->lear
 VectorXd MotionDerivatives::values_of_network() const { return impl_->network_values; }
 void MotionDerivatives::run(const VectorXd& values) { impl_->run(values); }
 std::size_t MotionDerivatives::step_count() const noexcept {
-  return impl_->states.empty() ? 0 : impl_->states.size() - 1;
+  return impl_->trajectory.size() == 0 ? 0 : impl_->trajectory.size() - 1;
 }
-double MotionDerivatives::time(std::size_t state) const { return impl_->at(state).time; }
+double MotionDerivatives::time(std::size_t state) const {
+  impl_->check_number(state);
+  return impl_->trajectory.time(state);
+}
 Eigen::Matrix3Xd MotionDerivatives::positions(std::size_t state) const {
   return impl_->in_user_order(impl_->at(state).p);
 }
@@ -407,6 +405,11 @@ void MotionDerivatives::set_accuracy(double relative) {
   if (!(relative > 0.0 && relative < 1.0))
     throw Error(ErrorKind::input, fmt::format("learning: an accuracy of {} is not between 0 and 1", relative));
   impl_->accuracy = relative;
+}
+void MotionDerivatives::set_memory(std::size_t bytes) { impl_->trajectory.set_memory(bytes); }
+MotionDerivatives::Kept MotionDerivatives::kept() const noexcept {
+  const learning::Trajectory::Use& use = impl_->trajectory.use();
+  return {use.most_states, use.most_saved, use.part, use.places, use.steps_again};
 }
 void MotionDerivatives::begin_steps(const VectorXd& values, const MatrixXd& changes) {
   impl_->begin_steps(values, changes);

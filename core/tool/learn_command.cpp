@@ -52,6 +52,7 @@ struct LearnArguments {
   double rate = OnlineOptions{}.rate;
   int iterations = 100;
   double guess_weight = 0.0;
+  double memory = 1024.0;  // MiB
 };
 
 constexpr const char* learned_file = "learned.toml";
@@ -120,6 +121,7 @@ int run(const LearnArguments& arguments) {
   LearnOptions options;
   options.max_iterations = arguments.iterations;
   options.guess_weight = arguments.guess_weight;
+  options.memory = static_cast<std::size_t>(arguments.memory * (1 << 20));
   options.on_iteration = [&](const LearnProgress& now) {
     if (!arguments.output.silent())
       fmt::print(stderr, "iteration {:3}, {:5.3g} % of the time: cost {:.6g}, rms {:.4g}\n", now.iteration,
@@ -128,6 +130,7 @@ int run(const LearnArguments& arguments) {
   };
   OnlineOptions online;
   online.rate = arguments.rate;
+  online.memory = options.memory;
   LearnedNet learned = arguments.method == "online" ? learn_online(experiment, host, learnables, online,
                                                                    [](const LearnProgress&) { return !interrupted(); })
                                                     : learn({experiment}, host, learnables, options);
@@ -183,6 +186,13 @@ void add_learn(CLI::App& app, Action& action) {
                    "determine [0]")
       ->type_name("W")
       ->check(number_between(0.0, finite));
+  command
+      ->add_option(
+          "--memory", arguments->memory,
+          "MiB for the states of the motion (what does not fit is simulated again), or for the sensitivities of "
+          "--method online [1024]")
+      ->type_name("MIB")
+      ->check(number_between(above_zero, 1e9));
   arguments->output.add_to(*command);
   command->footer(learn_examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });

@@ -49,12 +49,17 @@ Motion lattice() {
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-void measure(benchmark::State& state, const Motion& motion) {
+// share: of the memory that all states would take; 1: 1 GiB.
+void measure(benchmark::State& state, const Motion& motion, double share = 1.0) {
   std::vector<std::uint32_t> all(motion.network->springs().size());
   std::iota(all.begin(), all.end(), 0U);
   MotionDerivatives derivatives(motion.network, plugins(), motion.options, motion.duration,
                                 {{LearnedValues::Kind::rest_length, false, "", all}});
   derivatives.set_accuracy(1e-8);  // of gradients about 1e-6
+  const double states = motion.duration / motion.options.time_step;
+  if (share < 1.0)
+    derivatives.set_memory(
+        static_cast<std::size_t>(share * states * 48.0 * static_cast<double>(motion.network->nodes().size())));
   const Eigen::VectorXd values = derivatives.values_of_network();
   double forward = 0.0, both = 0.0;
   for (auto _ : state) {
@@ -75,14 +80,24 @@ void measure(benchmark::State& state, const Motion& motion) {
   state.counters["values"] = static_cast<double>(all.size());
   state.counters["forward_ms"] = 1e3 * forward / static_cast<double>(state.iterations());
   state.counters["with_gradient_over_forward"] = both / forward;
+  const MotionDerivatives::Kept kept = derivatives.kept();
+  state.counters["states"] = static_cast<double>(kept.states);
+  state.counters["saved_states"] = static_cast<double>(kept.saved);
+  state.counters["steps_again_over_steps"] =
+      static_cast<double>(kept.steps_again) / static_cast<double>(derivatives.step_count());
 }
 
 void gradient_bladder(benchmark::State& state) { measure(state, of_scene("bladder", 1.0)); }
 void gradient_sheet(benchmark::State& state) { measure(state, of_scene("sheet", 0.05)); }
 void gradient_lattice(benchmark::State& state) { measure(state, lattice()); }
+// Beyond the memory budget.
+void gradient_bladder_in_a_fifth(benchmark::State& state) { measure(state, of_scene("bladder", 16.0), 0.2); }
+void gradient_bladder_in_a_tenth(benchmark::State& state) { measure(state, of_scene("bladder", 16.0), 0.1); }
 
 BENCHMARK(gradient_bladder)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(gradient_sheet)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(gradient_lattice)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(gradient_bladder_in_a_fifth)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(gradient_bladder_in_a_tenth)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -59,6 +59,9 @@ struct LearnOptions {
   // Residuals sqrt(guess_weight) (x - x0) towards the values at the start, of the logarithm where that is searched by,
   // else relative to the value: what the data do not determine stays there. 0: none.
   double guess_weight = 0.0;
+  // Bytes that the states of all motions may take, see MotionDerivatives::set_memory(); as many again for the first
+  // stages, and for the motions at half the time step.
+  std::size_t memory = std::size_t{1} << 30;
   // Called after each iteration; false ends the search with the best so far.
   std::function<bool(const LearnProgress&)> on_iteration{};
 };

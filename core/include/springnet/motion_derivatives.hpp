@@ -64,8 +64,22 @@ class SPRINGNET_API MotionDerivatives {
   [[nodiscard]] Eigen::VectorXd values_of_network() const;
 
   // Simulates with these values. Throws Error(input) for values that are refused (a mass of 0, …), Error(simulation) if
-  // a step fails, or has what cannot be differentiated; the trajectory before is then kept.
+  // a step fails, or has what cannot be differentiated; there is then no trajectory.
   void run(const Eigen::VectorXd& values);
+
+  // Bytes that the states of the runs to come may take [1 GiB]. If not all fit, some are kept together with saved
+  // states of the simulation, and the others are made again, with the same bits, where they are asked for: by
+  // adjoint() in the order of binomial checkpoints (revolve), by tangent(), positions() and velocities() once if they
+  // are asked for in rising order. run() throws Error(input) that tells the least if it is too little.
+  void set_memory(std::size_t bytes);
+  // Of the last run, and since.
+  struct Kept {
+    std::size_t states, saved;  // at most at a time; saved: states of the simulation
+    std::size_t part;           // states that are made again together
+    std::size_t places;         // for saved states; 0: all states are kept
+    std::size_t steps_again;    // made once more so far
+  };
+  [[nodiscard]] Kept kept() const noexcept;
 
   // Of the linear systems of derivatives, relative to their right-hand sides [1e-10]: derivatives are good to about
   // this, times how much a disturbance grows in the steps that follow. Throws Error(input) unless it is between 0

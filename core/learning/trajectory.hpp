@@ -1,0 +1,89 @@
+// The states of a motion, all of them or as many as a budget of memory allows: others are made again when they are
+// asked for, from saved states of the simulation.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <springnet/simulation.hpp>
+
+namespace springnet::learning {
+
+// Steps are made in parts of some states. Where a part begins the simulation is saved in any case, so that what follows
+// depends on the state alone: a state that is made again has the bits of the first time, whatever the budget.
+class Trajectory {
+ public:
+  struct State {
+    double time = 0.0;     // s
+    Eigen::VectorXd p, v;  // m, m/s: [3 node]
+    Eigen::VectorXd z;     // internal states of laws
+  };
+  using Record = std::function<void(State&)>;  // writes the present state of the simulation
+
+  Trajectory(Simulation& simulation, Record record) : simulation_(simulation), record_(std::move(record)) {}
+
+  // Bytes, of states and saved states. Of the runs to come.
+  void set_memory(std::size_t bytes) noexcept { memory_ = bytes; }
+  // Makes steps from the present state of the simulation; made(k) is called after each, with the number of the state
+  // that it has reached. Throws what step() and `made` throw, and Error(input) if the budget is too small for a part;
+  // there are then no states.
+  void run(std::size_t steps, const std::function<void(std::size_t)>& made);
+  // In place of a run: these two alone.
+  void hold(State first, State second);
+  void clear();
+
+  [[nodiscard]] std::size_t size() const noexcept { return times_.size(); }
+  [[nodiscard]] double time(std::size_t state) const { return times_[state]; }
+  // Valid until another one is asked for. The one before, or the one after, stays at hand.
+  [[nodiscard]] const State& at(std::size_t state);
+  struct Step {
+    const State &from, &until;
+  };
+  // The step that ends at a state; both valid until another state is asked for.
+  [[nodiscard]] Step step(std::size_t until);
+
+  // What is kept, and what it took, since the last run.
+  struct Use {
+    std::size_t states = 0, most_states = 0;  // now, and at most
+    std::size_t saved = 0, most_saved = 0;    // saved states of the simulation
+    std::size_t steps_again = 0;              // made once more
+    std::size_t part = 0;                     // states
+    std::size_t places = 0;                   // for saved states; 0: all states are kept
+  };
+  [[nodiscard]] const Use& use() const noexcept { return use_; }
+
+ private:
+  struct Saved {
+    std::size_t part;
+    std::string bytes;
+  };
+  [[nodiscard]] const State* find(std::size_t state) const noexcept;
+  [[nodiscard]] std::size_t parts() const noexcept { return (times_.size() + use_.part - 1) / use_.part; }
+  void plan(const State& first, std::size_t saved_size, std::size_t steps);
+  // Saves the simulation at the start of a part, and keeps it if the plan up to the part `target` says so.
+  void begin_part(std::size_t part, std::size_t target);
+  void step_on();
+  void load(std::size_t part);
+  void count();
+
+  Simulation& simulation_;
+  Record record_;
+  std::size_t memory_ = std::size_t{1} << 30;
+  std::vector<double> times_;  // [state] s
+  // States from first_ on: all, or those of a part; and one of a part beside it.
+  std::vector<State> states_;
+  std::size_t first_ = 0, count_ = 0;  // count_: of states_ that are used
+  State beside_;
+  std::size_t beside_number_ = none;
+  std::vector<Saved> saved_;  // by rising part
+  std::size_t here_ = 0;      // where the simulation is: number of its state
+  Use use_;
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+};
+
+}  // namespace springnet::learning

@@ -1,0 +1,137 @@
+// Motions whose states do not fit the memory that they are given: the same bits, in that memory, and no more steps than
+// the best plan makes.
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/motion_derivatives.hpp>
+
+#include "motion_loss.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+using Eigen::VectorXd;
+using Kind = LearnedValues::Kind;
+
+namespace {
+
+// A block that hangs from one of its corners and swings.
+std::shared_ptr<const Network> swinging() {
+  Network net;
+  Lattice lattice;
+  lattice.nodes = {2, 2, 3};
+  lattice.diagonals = Diagonals::face;
+  net.add_lattice("block", lattice, {}, net.add_material(damped(200.0, 0.5)));
+  net.fix(0);
+  net.set_gravity({0, 2, -9.0});
+  return std::make_shared<const Network>(std::move(net));
+}
+
+// The fewest parts that are passed on the way back through `parts` of them with so many places: all plans are tried.
+std::size_t fewest_passed(std::size_t parts, std::size_t places) {
+  static std::map<std::pair<std::size_t, std::size_t>, std::size_t> known;
+  if (parts < 2) return 0;
+  if (places == 1) return parts * (parts - 1) / 2;
+  std::size_t& result = known[{parts, places}];
+  if (result > 0) return result;
+  std::size_t best = parts * parts;
+  for (std::size_t kept = 1; kept < parts; ++kept)
+    best = std::min(best, kept + fewest_passed(kept, places) + fewest_passed(parts - kept, places - 1));
+  return known[{parts, places}] = best;
+}
+
+struct Found {
+  VectorXd gradient, along;
+  double loss;
+  MotionDerivatives::Kept after_adjoint, at_end;
+};
+Found find(std::size_t memory) {
+  const auto net = swinging();
+  const std::size_t springs = net->springs().size();
+  MotionDerivatives motion(net, plugins(), method(0.5, newton, 0.01), 6.47,
+                           {{Kind::spring_parameter, false, "stiffness", all(springs)},
+                            {Kind::mass, false, "", {3}},
+                            {Kind::initial_velocity, false, "", {5}}});
+  if (memory > 0) motion.set_memory(memory);
+  const VectorXd values = motion.values_of_network();
+  motion.run(values);
+  REQUIRE(motion.step_count() == 647);
+  const Loss loss(648, net->nodes().size());
+  Found found;
+  found.gradient = loss.gradient(motion);
+  found.after_adjoint = motion.kept();
+  found.loss = loss.of(motion);
+  Eigen::MatrixXd changes = Eigen::MatrixXd::Ones(values.size(), 2);
+  changes.col(1).head(4).setZero();
+  found.along = loss.along(motion, changes);
+  CHECK(loss.gradient(motion) == found.gradient);
+  found.at_end = motion.kept();
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a motion in little memory has the same derivatives, bit by bit, for the fewest steps that are made again") {
+  const Found all_kept = find(0);
+  CHECK(all_kept.at_end.states == 648);
+  CHECK(all_kept.at_end.places == 0);
+  CHECK(all_kept.at_end.steps_again == 0);
+  std::size_t places_before = 1000;
+  for (const std::size_t memory : {200'000U, 120'000U, 60'000U, 36'000U}) {
+    CAPTURE(memory);
+    const Found found = find(memory);
+    CHECK(found.gradient == all_kept.gradient);
+    CHECK(found.along == all_kept.along);
+    CHECK(found.loss == all_kept.loss);
+    const MotionDerivatives::Kept& kept = found.after_adjoint;
+    CHECK(kept.part == 32);
+    REQUIRE(kept.places >= 1);
+    CHECK(kept.places < places_before);
+    places_before = kept.places;
+    // 12 nodes, in 48 bytes each, and what holds them.
+    CHECK(found.at_end.states == kept.part + 1);
+    CHECK(found.at_end.saved <= kept.places);
+    CHECK(found.at_end.states * 12 * 48 < memory);
+    // The last part is at hand after the run, which passes all parts but that, and each other one is made once more
+    // with its states, from the first of them on.
+    const std::size_t parts = (648 + kept.part - 1) / kept.part;
+    const std::size_t again =
+        (fewest_passed(parts, kept.places) - (parts - 1)) * kept.part + (parts - 1) * (kept.part - 1);
+    CHECK(kept.steps_again == again);
+    // Two ways forwards, and another one back.
+    CHECK(found.at_end.steps_again <= 2 * again + 2 * 647);
+  }
+  CHECK(places_before <= 3);
+  std::string said;
+  try {
+    static_cast<void>(find(20'000));
+  } catch (const Error& error) {
+    said = error.what();
+  }
+  CHECK(said.find("too few for the states of 32 steps in a row") != std::string::npos);
+}
+
+TEST_CASE("states of a motion in little memory are found in any order") {
+  const auto net = swinging();
+  MotionDerivatives motion(net, plugins(), method(1.0, newton, 0.01), 3.0, {{Kind::mass, false, "", {3}}});
+  motion.run(motion.values_of_network());
+  std::vector<Eigen::Matrix3Xd> positions;
+  for (std::size_t k = 0; k <= 300; ++k) positions.push_back(motion.positions(k));
+  motion.set_memory(60'000);
+  motion.run(motion.values_of_network());
+  Dice dice(4);
+  for (int i = 0; i < 60; ++i) {
+    const auto k = static_cast<std::size_t>(dice.between(0.0, 300.999));
+    CAPTURE(k);
+    CHECK(motion.positions(k) == positions[k]);
+  }
+  CHECK(motion.kept().saved <= motion.kept().places);
+  CHECK_THROWS_AS(static_cast<void>(motion.positions(301)), Error);
+}
