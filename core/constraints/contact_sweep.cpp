@@ -296,9 +296,11 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   if (!met) meeting.surface = last_surface_[node];
   const auto j = static_cast<std::size_t>(meeting.surface);
   const bool is_new = !before.has(meeting.surface);
-  const double rebounds = met && is_new ? rebound(at, meeting.surface, onto(at, j, candidate.position),
-                                                  candidate.start_velocity, candidate.velocity)
-                                        : 0.0;
+  const Vector3 ahead = candidate.start + sweep.time_constant * candidate.start_velocity;
+  // Where the node was heading, which is the same for every rule: on a curved surface the normal depends on it.
+  const double rebounds =
+      met && is_new ? rebound(at, meeting.surface, onto(at, j, ahead), candidate.start_velocity, candidate.velocity)
+                    : 0.0;
   if (obstacles_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
     Slide on = slide_along(within, meeting.surface, candidate, nullptr, rebounds);
     // The path crosses a curved surface and ends on its far side, where the node would separate: use the normal where
@@ -317,11 +319,10 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   // Where it touched: where the path of its start velocity meets the surface, or the projection of its end if it falls
   // short. This is the same for every sweep, rule and decision. The path under a sweep's forces would not do: in a
   // stiff net they grow with the stiffness and would displace the node. The force changes the path by O(h^2) only.
-  const Vector3 end = candidate.start + sweep.time_constant * candidate.start_velocity;
   const Meeting touched{meeting.surface,
-                        obstacles_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], end).value_or(2.0)};
-  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? carried_from(at, candidate.start, end, touched)
-                        : touched.share > 1.0                       ? onto(at, j, end)
+                        obstacles_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], ahead).value_or(2.0)};
+  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? carried_from(at, candidate.start, ahead, touched)
+                        : touched.share > 1.0                       ? onto(at, j, ahead)
                                               : onto(at, j, carried(at, candidate.start, meeting.surface));
   stop(within, node, {meeting.surface, false}, place, candidate);
 }

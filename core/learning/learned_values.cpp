@@ -272,6 +272,27 @@ Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const
   return result;
 }
 
+std::vector<std::uint32_t> LearnedSets::with_start_velocities() const {
+  std::vector<std::uint32_t> result;
+  for (const Set& set : sets_)
+    if (set.is_velocity()) result.insert(result.end(), set.what.members.begin(), set.what.members.end());
+  return result;
+}
+
+Eigen::VectorXd LearnedSets::mass_changes(const Eigen::VectorXd& change, std::size_t nodes) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodes));
+  for (const Set& set : sets_)
+    for (std::size_t i = 0; set.what.kind == Kind::mass && i < set.places.size(); ++i)
+      result[set.places[i]] += change[static_cast<Eigen::Index>(set.first + i)];
+  return result;
+}
+
+void LearnedSets::add_to_masses(const Eigen::VectorXd& by_mass) {
+  for (Set& set : sets_)
+    for (std::size_t i = 0; set.what.kind == Kind::mass && i < set.places.size(); ++i)
+      set.values[set.places[i]] += by_mass[set.places[i]];
+}
+
 void LearnedSets::start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const {
   const Eigen::Index nodes = velocities.size() / 3;
   for (const Set& set : sets_) {

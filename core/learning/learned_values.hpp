@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,6 +39,11 @@ class LearnedSets {
   void add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights);
   // The sums, with derivatives by the start velocities (the engine's order, x of all nodes first).
   [[nodiscard]] Eigen::VectorXd cotangent(const Eigen::VectorXd& by_velocity) const;
+  // Of masses, [node] kg; and adds derivatives by masses ([node]) to the sums.
+  [[nodiscard]] Eigen::VectorXd mass_changes(const Eigen::VectorXd& change, std::size_t nodes) const;
+  void add_to_masses(const Eigen::VectorXd& by_mass);
+  // The user's numbers of nodes.
+  [[nodiscard]] std::vector<std::uint32_t> with_start_velocities() const;
   // Adds the change of start velocities.
   void start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const;
 

@@ -10,7 +10,9 @@
 #include <springnet/motion_derivatives.hpp>
 #include <springnet/sdk/host.hpp>
 
+#include "learning/constrained_outputs.hpp"
 #include "learning/learned_values.hpp"
+#include "learning/step_constraints.hpp"
 #include "learning/step_solver.hpp"
 #include "learning/trajectory.hpp"
 #include "simulation/engine.hpp"
@@ -39,7 +41,6 @@ void check_method(const Network& network, const LawUse& integrator) {
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
   if (option(integrator, "events", 0.0) != 0.0)
     refuse("steps that are divided where events are located are not differentiated; set events = \"stepwise\"");
-  if (!network.rigids().empty()) refuse("nets with rigid connections are not differentiated");
   if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
 }
 
@@ -60,6 +61,7 @@ struct MotionDerivatives::Impl {
   using State = learning::Trajectory::State;
   // A step at the state where it ends, and how its derivatives are weighed.
   struct Step {
+    std::size_t number;  // of the state at its end
     const State &from, &until;
     double w, c;  // s
   };
@@ -69,7 +71,7 @@ struct MotionDerivatives::Impl {
       : learned(*net, std::move(values)),
         simulation(net, plugins, options),
         trajectory(simulation, [this](State& to) { record(to); }),
-        engine(*net, *plugins, options),
+        engine(net->without_constraints(), *plugins, options),
         table(make_host_table(engine)),
         host(table),
         solver(host),
@@ -85,7 +87,10 @@ struct MotionDerivatives::Impl {
       throw Error(ErrorKind::input, "learning: laws with internal states are not differentiated");
     nodes = network.node_count;
     learned.attach(engine);
+    if (!net->planes().empty() || !net->instruments().empty() || !net->rigids().empty())
+      constraints = std::make_unique<learning::StepConstraints>(*net, *plugins, options);
     network_values = learned.values_of(engine);
+    check_starts();
     start = simulation.save();
     for (VectorXd* each : {&dp, &dv, &rhs, &product, &other, &solution}) each->setZero(size());
   }
@@ -101,7 +106,7 @@ struct MotionDerivatives::Impl {
   [[nodiscard]] Step step(std::size_t k) {
     const auto [from, until] = trajectory.step(k);
     const double h = until.time - from.time;
-    return {from, until, theta * h, (1.0 - theta) * h};
+    return {k, from, until, theta * h, (1.0 - theta) * h};
   }
   // Of nodes whose motion is given nothing depends on what is learned.
   void clear_pinned(VectorXd& values) const {
@@ -143,7 +148,8 @@ struct MotionDerivatives::Impl {
     record(result);
     return result;
   }
-  void check_step() const;
+  void check_starts() const;
+  void check_step();
   void begin_tangent(const MatrixXd& directions);
   [[nodiscard]] MatrixXd columns_in_user_order(const MatrixXd& values) const;
   void tangent(const MatrixXd& directions, const StateTangents& told);
@@ -152,7 +158,12 @@ struct MotionDerivatives::Impl {
   VectorXd adjoint(const std::function<void(std::size_t, StateChange&)>& add);
   void step_forwards(const Step& step);
   void step_backwards(std::size_t k);
-  void add_start();
+  void add_start(const sdk::Host& of);
+  void start_backwards(std::size_t k);
+  void set_engines(const VectorXd& values);
+  void find_outputs(const Step& step);
+  [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
+  [[nodiscard]] bool is_constrained_at(std::size_t state) { return constraints && constraints->any_at(state); }
   template <class Function>
   void with_messages(const Function& function) const {
     try {
@@ -165,9 +176,13 @@ struct MotionDerivatives::Impl {
   learning::LearnedSets learned;
   Simulation simulation;
   learning::Trajectory trajectory;  // of the last run
-  Engine engine;                    // answers for derivatives, at the states of the last run
+  // Answers for derivatives, at the states of the last run, of the net without constraints; which, null: there are
+  // none, are by themselves.
+  Engine engine;
   springnet_host table;
   sdk::Host host;
+  std::unique_ptr<learning::StepConstraints> constraints;
+  learning::ConstrainedOutputs outputs;  // of a step
   learning::StepSolver solver;
   bool same_at_both;  // accelerations at a time, as the end of a step and as the start of the next one
   double theta;
@@ -175,7 +190,8 @@ struct MotionDerivatives::Impl {
   std::size_t steps, nodes = 0;
   std::string start;
   VectorXd network_values;
-  VectorXd dp, dv;  // the change of a state, or derivatives of the loss by it
+  std::size_t events_seen = 0;  // of the simulation
+  VectorXd dp, dv;              // the change of a state, or derivatives of the loss by it
   VectorXd rhs, product, other, solution, work;
   VectorXd weights;                  // of the accelerations at a state
   VectorXd pending;                  // those that the step after a state has for its start; empty: none
@@ -195,8 +211,19 @@ void MotionDerivatives::Impl::record(State& to) const {
   }
 }
 
+// Start velocities of nodes that are constrained from the start are projected, which is not differentiated.
+void MotionDerivatives::Impl::check_starts() const {
+  if (!constraints) return;
+  for (const NodeIndex node : learned.with_start_velocities())
+    if (simulation.touching(node) || constraints->is_rigid(simulation.columns()[node]))
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: node {} is in contact or rigidly connected at the start; its velocity there "
+                              "cannot be learned",
+                              node));
+}
+
 // What the derivative of a fixed point does not describe.
-void MotionDerivatives::Impl::check_step() const {
+void MotionDerivatives::Impl::check_step() {
   const auto refuse = [this](const std::string& what) {
     throw Error(ErrorKind::simulation,
                 fmt::format("learning: {} at {:g} s is not differentiated", what, simulation.time()));
@@ -204,49 +231,103 @@ void MotionDerivatives::Impl::check_step() const {
   const StepReport& report = simulation.last_report();
   if (report.outcome != Outcome::settled) refuse("a step that has not settled");
   if (report.substeps > 0) refuse("a step that was divided as it did not settle");
-  if (simulation.events().empty()) return;
-  const Event& event = simulation.events().front();
-  refuse(event.kind == Event::Kind::cut || event.kind == Event::Kind::ruptured ? "a cut or rupture" : "contact");
+  for (; events_seen < simulation.events().size(); ++events_seen) {
+    const Event& event = simulation.events()[events_seen];
+    if (event.kind == Event::Kind::cut || event.kind == Event::Kind::ruptured) refuse("a cut or rupture");
+    if (event.kind == Event::Kind::jammed) refuse("a node that is jammed");
+  }
 }
 
 void MotionDerivatives::Impl::run(const VectorXd& values) {
   learned.check(values);
   simulation.restore(start);
+  events_seen = 0;
   learned.set(simulation, values);
-  trajectory.run(steps, [this](std::size_t) { check_step(); });
+  if (constraints) constraints->history().begin(simulation);
+  trajectory.run(steps, [this](std::size_t k) {
+    check_step();
+    if (constraints) constraints->history().record(simulation, k);
+  });
+  set_engines(values);
+}
+
+void MotionDerivatives::Impl::set_engines(const VectorXd& values) {
   learned.set(engine, values);
+  if (constraints) learned.set(constraints->engine(), values);
+}
+
+// For accelerations at the start of a step, at this state.
+const sdk::Host& MotionDerivatives::Impl::host_at_start(std::size_t state, double from, double until) {
+  if (is_constrained_at(state)) return constraints->begin_step(state, from, until);
+  host.begin_step(from, until);
+  return host;
+}
+
+// Where the step is that of `host`: what constraints make of it.
+void MotionDerivatives::Impl::find_outputs(const Step& step) {
+  outputs.begin(nodes, step.c, step.w);
+  if (!constraints || !constraints->any_within(step.number)) return;
+  const auto accelerations = [&](const sdk::Host& of, const State& at) {
+    VectorXd result(size());
+    springnet_evaluation where = evaluation(at);
+    where.acceleration = {result.data(), result.data() + nodes, result.data() + 2 * nodes};
+    of.evaluate(where);
+    return result;
+  };
+  VectorXd free = step.from.v + step.w * accelerations(host, step.until);
+  if (step.c > 0.0)
+    free += step.c * accelerations(host_at_start(step.number - 1, step.from.time, step.until.time), step.from);
+  host.begin_step(step.from.time, step.until.time);
+  constraints->find_outputs(
+      {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p, step.until.v}, free,
+      outputs);
 }
 
 // Each column of dps and dvs is the change of a state.
 void MotionDerivatives::Impl::step_forwards(const Step& step) {
-  host.begin_step(step.from.time, step.until.time);
   const Eigen::Index columns = dps.cols();
   rhss = dvs;
-  const auto add = [&](const State& at, double weight, bool with_velocities) {
+  const auto add = [&](const sdk::Host& of, const State& at, double weight, const MatrixXd& positions,
+                       const MatrixXd& velocities) {
     const springnet_evaluation where = evaluation(at);
     other.setZero();
     for (Eigen::Index j = 0; j < columns; ++j) {
-      work = with_velocities ? VectorXd(dvs.col(j)) : VectorXd::Zero(size());
-      host.jacobian_times(dps.col(j).data(), work.data(), product.data());
-      learned.tangent(host, where, changes.col(j), other.data());
+      of.jacobian_times(positions.col(j).data(), velocities.col(j).data(), product.data(), SPRINGNET_TRUE_FRICTION);
+      if (&of != &host) {
+        work = positions.col(j);
+        constraints->add_carried(work, product);
+      }
+      learned.tangent(of, where, changes.col(j), other.data());
       rhss.col(j) += weight * (product + other);
     }
   };
   if (step.c > 0.0) {
-    host.linearise(evaluation(step.from));
-    add(step.from, step.c, true);
+    const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+    of.linearise(evaluation(step.from));
+    add(of, step.from, step.c, dps, dvs);
   }
-  dps += step.c * dvs;  // of p*
-  solver.prepare(evaluation(step.until), step.w, columns);
-  add(step.until, step.w, false);
+  host.begin_step(step.from.time, step.until.time);
+  find_outputs(step);
+  // Without the velocities V that are yet to be found.
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    outputs.from_start(dps.col(j), dvs.col(j), solution, product);
+    if (outputs.any()) outputs.add_masses(learned.mass_changes(changes.col(j), nodes), solution, product);
+    dps.col(j) = solution;
+    dvs.col(j) = product;
+  }
+  solver.prepare(evaluation(step.until), step.w, columns, &outputs);
+  add(host, step.until, step.w, dps, dvs);
   for (Eigen::Index j = 0; j < columns; ++j) {
     rhs = rhss.col(j);
     clear_pinned(rhs);
     solver.solve(rhs, accuracy, solution);
-    dvs.col(j) = solution;
-    product = dps.col(j) + step.w * solution;
+    outputs.from_free(solution, product, other);
+    product += dps.col(j);
+    other += dvs.col(j);
     clear_pinned(product);
+    clear_pinned(other);
     dps.col(j) = product;
+    dvs.col(j) = other;
   }
 }
 
@@ -280,8 +361,9 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
 void MotionDerivatives::Impl::begin_steps(const VectorXd& values, const MatrixXd& directions) {
   learned.check(values);
   simulation.restore(start);
+  events_seen = 0;
   learned.set(simulation, values);
-  learned.set(engine, values);
+  set_engines(values);
   begin_tangent(directions);
   dps_before = dps;
   dvs_before = dvs;
@@ -294,10 +376,12 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
   learned.check(values);
   for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
   learned.set_without_start(simulation, values);
+  if (constraints) constraints->history().begin(simulation);
   simulation.step();
   check_step();
+  if (constraints) constraints->history().record(simulation, 1);
   trajectory.hold(trajectory.at(1), present());
-  learned.set(engine, values);
+  set_engines(values);
   changes = directions;
   dps_before = dps;
   dvs_before = dvs;
@@ -306,38 +390,48 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
 
 // What a step has for the accelerations at its start, at the derivatives of that state which are at hand. dp and dv are
 // derivatives by this state.
-void MotionDerivatives::Impl::add_start() {
-  host.jacobian_transposed_times(pending.data(), product.data(), other.data());
+void MotionDerivatives::Impl::add_start(const sdk::Host& of) {
+  of.jacobian_transposed_times(pending.data(), product.data(), other.data(), SPRINGNET_TRUE_FRICTION);
+  if (&of != &host) constraints->add_carried_transposed(pending, product);
   dp += product;
   dv += other;
   weights += pending;
   pending.resize(0);
 }
 
+void MotionDerivatives::Impl::start_backwards(std::size_t k) {
+  const springnet_evaluation start_state = evaluation(trajectory.at(k));
+  const sdk::Host& of = host_at_start(k, trajectory.time(k), trajectory.time(k + 1));
+  of.linearise(start_state);
+  weights.setZero(size());
+  add_start(of);
+  learned.add_cotangent(of, start_state, weights.data());
+}
+
 void MotionDerivatives::Impl::step_backwards(std::size_t k) {
+  // The accelerations at the start of the next step may have other loads than those at the end of this one, and have
+  // constraints.
+  if (pending.size() > 0 && (!same_at_both || is_constrained_at(k))) start_backwards(k);
   const Step own = step(k);
   const springnet_evaluation end = evaluation(own.until);
   weights.setZero(size());
-  // The accelerations at the start of the next step have other loads than those at the end of this one.
-  if (pending.size() > 0 && !same_at_both) {
-    host.begin_step(trajectory.time(k), trajectory.time(k + 1));
-    host.linearise(end);
-    add_start();
-    learned.add_cotangent(host, end, weights.data());
-    weights.setZero();
-  }
   host.begin_step(own.from.time, own.until.time);
-  solver.prepare(end, own.w);
-  if (pending.size() > 0) add_start();
+  find_outputs(own);
+  solver.prepare(end, own.w, 1, &outputs);
+  if (pending.size() > 0) add_start(host);
   clear_pinned(dp);
   clear_pinned(dv);
-  rhs = dv + own.w * dp;
+  outputs.to_free(dp, dv, rhs);
+  clear_pinned(rhs);
   solver.solve_transposed(rhs, accuracy, solution);
   host.jacobian_transposed_times(solution.data(), product.data(), other.data());
   weights += own.w * solution;
   learned.add_cotangent(host, end, weights.data());
-  dp += own.w * product;
-  dv = solution + own.c * dp;
+  product = dp + own.w * product;
+  other = dv + own.w * other;
+  if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
+  outputs.to_start(product, other, dp, dv);
+  dv += solution;
   clear_pinned(dp);
   clear_pinned(dv);
   if (own.c > 0.0) pending = own.c * solution;
@@ -360,15 +454,7 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
     add_from_user_order(own.velocities, dv);
     if (k > 0) with_messages([&] { step_backwards(k); });
   }
-  if (pending.size() > 0)
-    with_messages([&] {
-      const springnet_evaluation start_state = evaluation(trajectory.at(0));
-      host.begin_step(trajectory.time(0), trajectory.time(1));
-      host.linearise(start_state);
-      weights.setZero(size());
-      add_start();
-      learned.add_cotangent(host, start_state, weights.data());
-    });
+  if (pending.size() > 0) with_messages([&] { start_backwards(0); });
   clear_pinned(dv);
   return learned.cotangent(dv);
 }

@@ -9,7 +9,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Eigen::Index most_iterations = 40;
+constexpr Eigen::Index most_unconstrained = 40;
+// The preconditioner does not know of constraints, each of which may take an iteration.
+constexpr Eigen::Index most_constrained = 1000;
 // Without a preconditioner: more than these take longer than to prepare one. It is tried again after some steps.
 constexpr Eigen::Index most_plain = 12;
 constexpr int steps_until_tried = 20;
@@ -22,7 +24,8 @@ constexpr std::size_t most_nodes_factorised = 1000;
 
 }  // namespace
 
-void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index solutions) {
+void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index solutions,
+                         const ConstrainedOutputs* outputs) {
   const springnet_network& network = host_.network();
   const std::size_t n = network.node_count;
   mass_.resize(3 * n);
@@ -32,14 +35,15 @@ void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index 
     pinned_[i] = network.fixed[i % n] | network.held[i % n];
   }
   w_ = w;
+  outputs_ = outputs != nullptr && outputs->any() ? outputs : nullptr;
   factorised_ = prepared_ = false;
   if (prepared_steps_ > 0) --prepared_steps_;
   host_.linearise(at);
-  if (solutions >= solutions_worth_factors && n <= most_nodes_factorised) {
+  if (solutions >= solutions_worth_factors && n <= most_nodes_factorised && outputs_ == nullptr) {
     host_.factorise(w, w * w);
     factorised_ = true;
   }
-  for (VectorXd* each : {&work_, &by_position_, &by_velocity_}) each->resize(static_cast<Eigen::Index>(3 * n));
+  for (VectorXd* each : {&work_, &other_, &by_position_, &by_velocity_}) each->resize(static_cast<Eigen::Index>(3 * n));
 }
 
 void StepSolver::clear_pinned(VectorXd& values) const {
@@ -47,13 +51,36 @@ void StepSolver::clear_pinned(VectorXd& values) const {
     if (pinned_[i] != 0) values[static_cast<Eigen::Index>(i)] = 0.0;
 }
 
-void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x) {
-  const auto matrix = [this](const VectorXd& in, VectorXd& out) {
+Eigen::Index StepSolver::most_iterations() const {
+  return outputs_ == nullptr ? most_unconstrained
+                             : std::min(most_constrained, static_cast<Eigen::Index>(pinned_.size()) + 1);
+}
+
+void StepSolver::apply(const VectorXd& in, VectorXd& out) {
+  if (outputs_ == nullptr) {
     work_ = w_ * in;
     host_.jacobian_times(work_.data(), in.data(), by_position_.data());
-    out = in - w_ * by_position_;
-    clear_pinned(out);
-  };
+  } else {
+    outputs_->from_free(in, work_, other_);
+    host_.jacobian_times(work_.data(), other_.data(), by_position_.data());
+  }
+  out = in - w_ * by_position_;
+  clear_pinned(out);
+}
+
+void StepSolver::apply_transposed(const VectorXd& in, VectorXd& out) {
+  host_.jacobian_transposed_times(in.data(), by_position_.data(), by_velocity_.data());
+  if (outputs_ == nullptr) {
+    out = in - w_ * by_velocity_ - (w_ * w_) * by_position_;
+  } else {
+    outputs_->to_free(by_position_, by_velocity_, work_);
+    out = in - w_ * work_;
+  }
+  clear_pinned(out);
+}
+
+void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x) {
+  const auto matrix = [this](const VectorXd& in, VectorXd& out) { apply(in, out); };
   const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) {
     static_cast<void>(host_.solve_system(in.data(), inner, out.data()));
   };
@@ -63,11 +90,7 @@ void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x)
 
 void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, VectorXd& x) {
   const Eigen::Map<const VectorXd> mass(mass_.data(), static_cast<Eigen::Index>(mass_.size()));
-  const auto matrix = [this](const VectorXd& in, VectorXd& out) {
-    host_.jacobian_transposed_times(in.data(), by_position_.data(), by_velocity_.data());
-    out = in - w_ * by_velocity_ - (w_ * w_) * by_position_;
-    clear_pinned(out);
-  };
+  const auto matrix = [this](const VectorXd& in, VectorXd& out) { apply_transposed(in, out); };
   const auto preconditioner = [&](const VectorXd& in, double inner, VectorXd& out) {
     work_ = in.cwiseQuotient(mass);
     static_cast<void>(host_.solve_system(work_.data(), inner, out.data()));
@@ -86,7 +109,7 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner& solver, const 
   }
   if (!prepared_) host_.prepare_system({w_, w_ * w_});
   prepared_ = true;
-  return iterate(matrix, &solver, most_iterations, right_side, accuracy, mismatch, x);
+  return iterate(matrix, &solver, most_iterations(), right_side, accuracy, mismatch, x);
 }
 
 // Arnoldi's basis by modified Gram-Schmidt, least squares by Givens rotations. False: no convergence.
@@ -97,7 +120,7 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
   if (!(size > 0.0)) return size == 0.0;
   basis_.assign(1, right_side / size);
   images_.clear();
-  MatrixXd h = MatrixXd::Zero(most + 1, most);
+  std::vector<VectorXd> columns;  // of the triangle
   VectorXd g = VectorXd::Zero(most + 1), cosine(most), sine(most);
   g[0] = size;
   Eigen::Index count = 0;
@@ -114,22 +137,22 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
       images_.back() = basis_.back();
     if (!images_.back().allFinite()) return false;
     matrix(images_.back(), next);
+    VectorXd& h = columns.emplace_back(k + 2);
     for (Eigen::Index i = 0; i <= k; ++i) {
-      h(i, k) = basis_[static_cast<std::size_t>(i)].dot(next);
-      next -= h(i, k) * basis_[static_cast<std::size_t>(i)];
+      h[i] = basis_[static_cast<std::size_t>(i)].dot(next);
+      next -= h[i] * basis_[static_cast<std::size_t>(i)];
     }
-    h(k + 1, k) = next.norm();
-    const double length = h(k + 1, k);
+    const double length = h[k + 1] = next.norm();
     for (Eigen::Index i = 0; i < k; ++i) {
-      const double upper = cosine[i] * h(i, k) + sine[i] * h(i + 1, k);
-      h(i + 1, k) = -sine[i] * h(i, k) + cosine[i] * h(i + 1, k);
-      h(i, k) = upper;
+      const double upper = cosine[i] * h[i] + sine[i] * h[i + 1];
+      h[i + 1] = -sine[i] * h[i] + cosine[i] * h[i + 1];
+      h[i] = upper;
     }
-    const double radius = std::hypot(h(k, k), h(k + 1, k));
+    const double radius = std::hypot(h[k], h[k + 1]);
     if (!(radius > 0.0) || !std::isfinite(radius)) return false;
-    cosine[k] = h(k, k) / radius;
-    sine[k] = h(k + 1, k) / radius;
-    h(k, k) = radius;
+    cosine[k] = h[k] / radius;
+    sine[k] = h[k + 1] / radius;
+    h[k] = radius;
     g[k + 1] = -sine[k] * g[k];
     g[k] *= cosine[k];
     settled = std::abs(g[k + 1]) <= accuracy * size;
@@ -140,13 +163,19 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
   }
   if (!settled) return false;
   mismatch *= forgetting;
-  const VectorXd weights = h.topLeftCorner(count, count).triangularView<Eigen::Upper>().solve(g.head(count));
-  for (Eigen::Index i = 0; i < count; ++i) x += weights[i] * images_[static_cast<std::size_t>(i)];
+  for (Eigen::Index k = count; k-- > 0;) {  // backwards through the triangle
+    const VectorXd& h = columns[static_cast<std::size_t>(k)];
+    g[k] /= h[k];
+    g.head(k) -= g[k] * h.head(k);
+    x += g[k] * images_[static_cast<std::size_t>(k)];
+  }
   clear_pinned(x);
   return true;
 }
 
 void StepSolver::directly(const VectorXd& right_side, bool transposed, VectorXd& x) {
+  if (outputs_ != nullptr)
+    throw sdk::Failure("the derivatives of a step with constraints do not settle; use a smaller time step");
   if (!factorised_) host_.factorise(w_, w_ * w_);
   factorised_ = true;
   x.resize(right_side.size());

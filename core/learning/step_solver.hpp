@@ -1,4 +1,5 @@
-// Linear systems of a time step, A = I - w da/dv - w^2 da/dp, and their transposes, at the state last prepared.
+// Linear systems of a time step, A = I - w da/dv - w^2 da/dp, and their transposes, at the state last prepared; with
+// constraints A = I - w (da/dv U' + da/dp P'), where P' and U' tell how outputs follow the velocities without them.
 #pragma once
 
 #include <functional>
@@ -7,6 +8,8 @@
 #include <Eigen/Core>
 
 #include <springnet/sdk/host.hpp>
+
+#include "learning/constrained_outputs.hpp"
 
 namespace springnet::learning {
 
@@ -20,9 +23,12 @@ class StepSolver {
   explicit StepSolver(sdk::Host host) noexcept : host_(host) {}
 
   // w: s. Linearises at a state; then the host's jacobian_times and its transpose are those of this state. solutions:
-  // how many are to come; a small net is then factorised if that pays.
-  void prepare(const springnet_evaluation& at, double w, Eigen::Index solutions = 1);
-  // accuracy: of the residual, relative to the right-hand side. Throws sdk::Failure if the matrix is singular.
+  // how many are to come; a small net is then factorised if that pays. outputs: of a step with constraints, until the
+  // next call; the host's accelerations must be those without. Null: there are none.
+  void prepare(const springnet_evaluation& at, double w, Eigen::Index solutions = 1,
+               const ConstrainedOutputs* outputs = nullptr);
+  // accuracy: of the residual, relative to the right-hand side. Throws sdk::Failure if the matrix is singular, or if
+  // the iteration does not converge.
   void solve(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x);
   void solve_transposed(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x);
 
@@ -37,6 +43,9 @@ class StepSolver {
                              double accuracy, double& mismatch, Eigen::VectorXd& x);
   void directly(const Eigen::VectorXd& right_side, bool transposed, Eigen::VectorXd& x);
   void clear_pinned(Eigen::VectorXd& values) const;
+  void apply(const Eigen::VectorXd& in, Eigen::VectorXd& out);
+  void apply_transposed(const Eigen::VectorXd& in, Eigen::VectorXd& out);
+  [[nodiscard]] Eigen::Index most_iterations() const;
 
   sdk::Host host_;
   double w_ = 0.0;
@@ -47,7 +56,8 @@ class StepSolver {
   // What an exact solution by the preconditioner leaves of the residual, of A and of its transpose, as far as known.
   double mismatch_ = 0.0, transposed_mismatch_ = 0.0;
   std::vector<Eigen::VectorXd> basis_, images_;
-  Eigen::VectorXd work_, by_position_, by_velocity_;
+  Eigen::VectorXd work_, other_, by_position_, by_velocity_;
+  const ConstrainedOutputs* outputs_ = nullptr;
 };
 
 }  // namespace springnet::learning

@@ -247,4 +247,13 @@ void Network::set_gravity(const Vector3& acceleration) {
   gravity_ = acceleration;
 }
 
+Network Network::without_constraints() const {
+  Network result(*this);
+  result.planes_.clear();
+  result.instruments_.clear();
+  result.rigids_.clear();
+  result.rigid_ends_.clear();
+  return result;
+}
+
 }  // namespace springnet

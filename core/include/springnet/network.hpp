@@ -371,6 +371,9 @@ class Network {
   // Of those: positions of the nodes at rest, and the direction of the material there, as in add_element.
   SPRINGNET_API void set_rest(ElementIndex element, std::vector<Vector3> rest, const Vector3& direction);
 
+  // The same without planes, instruments and rigid connections: what springs, elements and loads alone do.
+  [[nodiscard]] SPRINGNET_API Network without_constraints() const;
+
   // The invariant of an element at the nodes' positions in this network, in its unit.
   [[nodiscard]] SPRINGNET_API double value_of(const Element& element) const;
   // Area vector of a face, along its outward normal, at the nodes' positions in this network, m^2.

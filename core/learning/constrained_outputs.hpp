@@ -1,0 +1,47 @@
+// The outputs (P, U) of a step from (p, v) as what constraints make of V, the velocities that nodes would have without
+// them: P = p + c v + w V, U = V of free nodes, something else of nodes on surfaces and in rigid clusters. Vectors have
+// the engine's order, x of all nodes first.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace springnet::learning {
+
+class ConstrainedOutputs {
+ public:
+  // All nodes are free. c, w: s, of the step.
+  void begin(std::size_t nodes, double c, double w);
+  // derivative: of (P, U) of these nodes by (p, v, V), [6 node][9 node]; x y z of the first node, then of the next.
+  // by_mass: the same by the masses of these nodes, if they matter.
+  void add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass = {});
+  [[nodiscard]] bool any() const noexcept { return !blocks_.empty(); }
+
+  // What follows from the start alone, and what from V: (dP, dU) of (dp, dv), and of dV.
+  void from_start(const Eigen::VectorXd& dp, const Eigen::VectorXd& dv, Eigen::VectorXd& end_dp,
+                  Eigen::VectorXd& end_dv) const;
+  void from_free(const Eigen::VectorXd& free, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
+  // Adds what follows from changes of masses, [node] kg.
+  void add_masses(const Eigen::VectorXd& masses, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
+  // Their transposes: of weights of (P, U).
+  void to_start(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv, Eigen::VectorXd& dp,
+                Eigen::VectorXd& dv) const;
+  void to_free(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv, Eigen::VectorXd& free) const;
+  [[nodiscard]] Eigen::VectorXd to_masses(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv) const;
+
+ private:
+  struct Block {
+    std::vector<std::uint32_t> nodes;
+    Eigen::MatrixXd derivative, by_mass;
+  };
+  [[nodiscard]] Eigen::VectorXd gather(const Block& block, const Eigen::VectorXd& of) const;
+  void scatter(const Block& block, const Eigen::Ref<const Eigen::VectorXd>& from, Eigen::VectorXd& to) const;
+
+  std::size_t nodes_ = 0;
+  double c_ = 0.0, w_ = 0.0;
+  std::vector<Block> blocks_;
+};
+
+}  // namespace springnet::learning

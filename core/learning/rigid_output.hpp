@@ -1,0 +1,36 @@
+// What rigid connections make of the outputs of a cluster at the end of a step, differentiated; see rigid_sweep.cpp:
+//
+//   U = V + W G(P)^T x,  G(P) U = 0;  P: p + c v + w U, corrected to the lengths.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "constraints/rigid.hpp"
+
+namespace springnet::learning {
+
+struct ClusterOverStep {
+  std::vector<std::uint32_t> nodes;  // the engine's numbers
+  struct Rod {
+    Eigen::Index first, second;  // places in `nodes`
+    double length;               // m
+  };
+  std::vector<Rod> rods;
+  Eigen::VectorXd mobility;  // [node] 1/kg; 0: its motion is given
+  double w, c;               // s, of a step: theta h, (1 - theta) h
+  // [3 node], x y z of each: m, m/s. V of a node whose motion is given: that at the end.
+  Eigen::VectorXd p, v, free, P, U;
+};
+
+struct ClusterDerivative {
+  Eigen::MatrixXd by_state;     // of (P, U) by (p, v, V), [6 node][9 node]
+  Eigen::MatrixXd by_mobility;  // by the mobilities, [6 node][node]
+};
+// None if the formulas do not give (P, U).
+[[nodiscard]] std::optional<ClusterDerivative> output_derivative(const ClusterOverStep& cluster);
+
+}  // namespace springnet::learning

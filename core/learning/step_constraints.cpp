@@ -1,0 +1,164 @@
+#include "learning/step_constraints.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+#include "constraints/acceleration_gradients.hpp"
+#include "learning/contact_output.hpp"
+#include "learning/rigid_output.hpp"
+#include "simulation/host_table.hpp"
+
+namespace springnet::learning {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// Matrices of a cluster are dense.
+constexpr std::size_t most_of_cluster = 100;
+
+Vector3 node_of(const VectorXd& of, std::uint32_t node) {
+  const Index n = of.size() / 3;
+  return {of[node], of[n + node], of[2 * n + node]};
+}
+void add_to_node(VectorXd& to, std::uint32_t node, const Vector3& change) {
+  const Index n = to.size() / 3;
+  for (Index axis = 0; axis < 3; ++axis) to[axis * n + node] += change[axis];
+}
+
+}  // namespace
+
+StepConstraints::StepConstraints(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
+    : engine_(network, plugins, options), table_(make_host_table(engine_)), host_(table_) {
+  const RigidConnections& rigid = engine_.model().rigid;
+  for (std::size_t c = 0; c < rigid.cluster_count(); ++c)
+    if (rigid.nodes_of(c).size() > most_of_cluster)
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: rigid connections join {} nodes (with node {}); up to {} are differentiated",
+                              rigid.nodes_of(c).size(), engine_.model().user_number(rigid.nodes_of(c).front()),
+                              most_of_cluster));
+}
+
+StepConstraints::~StepConstraints() = default;
+
+bool StepConstraints::is_rigid(std::uint32_t node) const {
+  const std::uint32_t* const cluster_of = engine_.model().rigid.cluster_of();
+  return cluster_of != nullptr && cluster_of[node] != 0xffffffffu;
+}
+
+bool StepConstraints::any_at(std::size_t state) { return engine_.model().rigid.any() || !history_.at(state).empty(); }
+
+bool StepConstraints::any_within(std::size_t step) {
+  return engine_.model().rigid.any() || !history_.within(step).empty();
+}
+
+const sdk::Host& StepConstraints::begin_step(std::size_t state, double from, double until) {
+  host_.begin_step(from, until);
+  state_time_ = from;
+  Contact& contact = engine_.model().contact;
+  if (contact.obstacles().empty()) return host_;
+  const std::map<std::uint32_t, Touch>& touches = history_.at(state);
+  for (std::uint32_t node = 0; node < engine_.model().node_count(); ++node) {
+    const auto found = touches.find(node);
+    const Touch touch = found == touches.end() ? Touch{} : found->second;
+    if (!(contact.committed(node) == touch)) contact.touch(node, touch, Vector3::Zero());
+  }
+  return host_;
+}
+
+// use(node, matrix): of each node that a turning surface carries.
+template <class Use>
+void StepConstraints::for_each_carried(const Use& use) {
+  const Contact& contact = engine_.model().contact;
+  if (std::none_of(contact.obstacles().begin(), contact.obstacles().end(), [](const Obstacle& o) { return o.turns(); }))
+    return;
+  const std::shared_ptr<const Placement> at = contact.at(just_after(state_time_));
+  for (std::uint32_t k = 0; k < engine_.model().node_count(); ++k)
+    if (contact.held()[k] != 0)
+      use(k, acceleration_by_position(at->poses[static_cast<std::size_t>(contact.committed(k).surface)]));
+}
+
+void StepConstraints::add_carried(const VectorXd& dp, VectorXd& accelerations) {
+  for_each_carried([&](std::uint32_t k, const Matrix3& by_position) {
+    add_to_node(accelerations, k, by_position * node_of(dp, k));
+  });
+}
+
+void StepConstraints::add_carried_transposed(const VectorXd& weights, VectorXd& by_position) {
+  for_each_carried([&](std::uint32_t k, const Matrix3& matrix) {
+    add_to_node(by_position, k, matrix.transpose() * node_of(weights, k));
+  });
+}
+
+void StepConstraints::find_outputs(const Step& step, const VectorXd& free, ConstrainedOutputs& outputs) {
+  Model& model = engine_.model();
+  const double h = step.until_time - step.from_time;
+  outputs.begin(model.node_count(), (1.0 - step.theta) * h, step.theta * h);
+  const std::vector<StepContact> contacts = history_.within(step.until);
+  const std::shared_ptr<const Placement> start = model.contact.at(just_after(step.from_time));
+  const std::shared_ptr<const Placement> end = model.contact.at(just_before(step.until_time, h));
+  const StepPlacement placement{*start, *end, h, step.theta};
+  for (const StepContact& each : contacts) {
+    const std::uint32_t k = each.node;
+    if (model.contact.fixed()[k] != 0) continue;
+    const NodeOverStep node{node_of(step.p, k), node_of(step.v, k), node_of(free, k), node_of(step.P, k),
+                            node_of(step.U, k)};
+    const auto derivative = is_rigid(k) ? std::nullopt : output_derivative(model.contact, placement, each, node);
+    if (!derivative)
+      throw Error(ErrorKind::simulation,
+                  fmt::format("learning: the contact of node {} with {} at {:g} s is not differentiated{}",
+                              model.user_number(k), model.contact.name_of(static_cast<std::size_t>(each.touch.surface)),
+                              step.until_time, is_rigid(k) ? ", as the node is rigidly connected" : ""));
+    outputs.add({k}, *derivative);
+  }
+  add_clusters(step, free, outputs);
+}
+
+void StepConstraints::add_clusters(const Step& step, const VectorXd& free, ConstrainedOutputs& outputs) const {
+  const Model& model = engine_.model();
+  const RigidConnections& rigid = model.rigid;
+  if (!rigid.any()) return;
+  const double h = step.until_time - step.from_time;
+  std::vector<std::size_t> place(model.node_count());
+  for (std::size_t c = 0; c < rigid.cluster_count(); ++c) {
+    ClusterOverStep cluster;
+    cluster.nodes = rigid.nodes_of(c);
+    cluster.w = step.theta * h;
+    cluster.c = (1.0 - step.theta) * h;
+    const auto size = static_cast<Index>(cluster.nodes.size());
+    cluster.mobility.resize(size);
+    for (VectorXd* each : {&cluster.p, &cluster.v, &cluster.free, &cluster.P, &cluster.U}) each->resize(3 * size);
+    for (Index i = 0; i < size; ++i) {
+      const std::uint32_t k = cluster.nodes[static_cast<std::size_t>(i)];
+      place[k] = static_cast<std::size_t>(i);
+      const bool is_given = model.contact.fixed()[k] != 0;
+      cluster.mobility[i] = is_given ? 0.0 : 1.0 / model.mass[k];
+      cluster.p.segment<3>(3 * i) = node_of(step.p, k);
+      cluster.v.segment<3>(3 * i) = node_of(step.v, k);
+      cluster.P.segment<3>(3 * i) = node_of(step.P, k);
+      cluster.U.segment<3>(3 * i) = node_of(step.U, k);
+      cluster.free.segment<3>(3 * i) = is_given ? node_of(step.U, k) : node_of(free, k);
+    }
+    for (const RigidConnections::Rod& rod : rigid.rods())
+      if (rigid.cluster_of()[rod.first] == c)
+        cluster.rods.push_back(
+            {static_cast<Index>(place[rod.first]), static_cast<Index>(place[rod.second]), rod.length});
+    auto derivative = output_derivative(cluster);
+    if (!derivative)
+      throw Error(ErrorKind::simulation,
+                  fmt::format("learning: the step of the rigid connections of node {} to {:g} s is not differentiated",
+                              model.user_number(cluster.nodes.front()), step.until_time));
+    // dW = -dm / m^2.
+    for (Index i = 0; i < size; ++i) derivative->by_mobility.col(i) *= -cluster.mobility[i] * cluster.mobility[i];
+    outputs.add(std::move(cluster.nodes), std::move(derivative->by_state), std::move(derivative->by_mobility));
+  }
+}
+
+}  // namespace springnet::learning

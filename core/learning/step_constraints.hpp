@@ -1,0 +1,65 @@
+// Surfaces and rigid connections of a motion, for its derivatives: what they make of the outputs of each step, and the
+// accelerations of the constrained motion at its start.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include <Eigen/Core>
+
+#include <springnet/network.hpp>
+#include <springnet/sdk/host.hpp>
+#include <springnet/simulation.hpp>
+
+#include "learning/constrained_outputs.hpp"
+#include "learning/contact_history.hpp"
+#include "simulation/engine.hpp"
+
+namespace springnet::learning {
+
+class StepConstraints {
+ public:
+  StepConstraints(const Network& network, const PluginHost& plugins, const SimulationOptions& options);
+  ~StepConstraints();
+  StepConstraints(const StepConstraints&) = delete;
+  StepConstraints& operator=(const StepConstraints&) = delete;
+
+  // Its parameters must be those of the motion.
+  [[nodiscard]] Engine& engine() noexcept { return engine_; }
+  [[nodiscard]] ContactHistory& history() noexcept { return history_; }
+  [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
+  // Whether anything constrains the accelerations at a state.
+  [[nodiscard]] bool any_at(std::size_t state);
+  // Or the outputs of the step that ends at a state.
+  [[nodiscard]] bool any_within(std::size_t step);
+  // The host of the constrained motion from this state to the next, s; its contacts are those committed at the state.
+  [[nodiscard]] const sdk::Host& begin_step(std::size_t state, double from, double until);
+
+  // After begin_step(): nodes that stick to a surface have its acceleration, which depends on where they are if it
+  // turns; the host's products leave that out. Adds its change by dp, [3 node], and the transpose.
+  void add_carried(const Eigen::VectorXd& dp, Eigen::VectorXd& accelerations);
+  void add_carried_transposed(const Eigen::VectorXd& weights, Eigen::VectorXd& by_position);
+
+  // A step with its ends, [3 node]: m, m/s, and V (see ConstrainedOutputs).
+  struct Step {
+    std::size_t until;  // number of the state at its end
+    double from_time, until_time, theta;
+    const Eigen::VectorXd &p, &v, &P, &U;
+  };
+  // Throws Error(simulation) for a contact that is not differentiated, with its node and time.
+  void find_outputs(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs);
+
+ private:
+  template <class Use>
+  void for_each_carried(const Use& use);
+  void add_clusters(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs) const;
+
+  Engine engine_;
+  springnet_host table_;
+  sdk::Host host_;
+  ContactHistory history_;
+  double state_time_ = 0.0;  // s, at which a step was begun
+};
+
+}  // namespace springnet::learning

@@ -1,0 +1,194 @@
+// Derivatives of motions with contact and rigid connections, against differences of the motions themselves.
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/motion_derivatives.hpp>
+
+#include "motion_loss.hpp"
+#include "refusal.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+using Eigen::VectorXd;
+using Kind = LearnedValues::Kind;
+
+namespace {
+
+// Eight nodes as a block, no two alike.
+Network block_at(const Vector3& place, const Vector3& velocity, std::uint64_t seed = 5) {
+  Network net;
+  Lattice lattice;
+  lattice.nodes = {2, 2, 2};
+  lattice.spacing = {0.2, 0.2, 0.2};
+  lattice.origin = place;
+  lattice.diagonals = Diagonals::face;
+  net.add_lattice("block", lattice, Node{}, net.add_material(damped(200.0, 2.0)));
+  Dice dice(seed);
+  for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
+    Node own = net.nodes()[k];
+    own.position += dice.in_box(0.02);
+    own.velocity = velocity + dice.in_box(0.1);
+    own.mass = dice.between(0.5, 2.0);
+    net.set_node(k, own);
+  }
+  net.set_gravity({0, 0, -9.81});
+  return net;
+}
+
+std::vector<LearnedValues> values_of(const Network& net) {
+  const std::size_t springs = net.springs().size(), nodes = net.nodes().size();
+  std::vector<std::uint32_t> moving = all(nodes);
+  std::erase_if(moving, [&](std::uint32_t k) { return net.nodes()[k].fixed; });
+  std::vector<LearnedValues> result;
+  if (springs > 0)
+    result = {{Kind::spring_parameter, false, "stiffness", all(springs)},
+              {Kind::viscosity_parameter, false, "damping", all(springs)},
+              {Kind::rest_length, false, "", all(springs)}};
+  result.push_back({Kind::mass, false, "", moving});
+  result.push_back({Kind::initial_velocity, false, "", moving});
+  return result;
+}
+
+// The adjoint against the tangent, and both against differences.
+void check_derivatives(const Network& given, double theta, double rule, double duration,
+                       std::vector<LearnedValues> learned, double step = 0.02) {
+  const auto net = std::make_shared<const Network>(given);
+  MotionDerivatives motion(net, plugins(), method(theta, rule, step), duration, std::move(learned));
+  const VectorXd values = motion.values_of_network();
+  motion.run(values);
+  const Loss loss(motion.step_count() + 1, net->nodes().size());
+  const VectorXd gradient = loss.gradient(motion);
+  Dice dice(3);
+  Eigen::MatrixXd changes(values.size(), 2);
+  for (Eigen::Index i = 0; i < changes.size(); ++i)
+    changes.data()[i] = dice.between(-1, 1) * std::max(0.1, std::abs(values[i % values.size()]));
+  const VectorXd along = loss.along(motion, changes);
+  for (Eigen::Index j = 0; j < changes.cols(); ++j) {
+    CHECK(gradient.dot(changes.col(j)) == doctest::Approx(along[j]).epsilon(1e-8));
+    const auto at = [&](double h) {
+      motion.run(values + h * changes.col(j));
+      return loss.of(motion);
+    };
+    // Of fourth order: so near that no event moves to another step.
+    constexpr double h = 1e-5;
+    const double difference = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+    CHECK(along[j] == doctest::Approx(difference).epsilon(2e-7));
+  }
+}
+
+Plane floor_with(const Friction& friction, const Vector3& normal = Vector3::UnitZ()) {
+  Plane plane;
+  plane.name = "floor";
+  plane.normal = normal;
+  plane.friction = friction;
+  return plane;
+}
+
+constexpr Friction held{Friction::Kind::held, 0.0}, smooth{Friction::Kind::none, 0.0},
+    rough{Friction::Kind::coulomb, 0.3};
+
+}  // namespace
+
+TEST_CASE("derivatives of a body that falls on a plane, with every friction, theta and rule") {
+  for (const Friction& friction : {held, smooth, rough})
+    for (const double theta : {1.0, 0.5})
+      for (const double rule : {newton, wavefront}) {
+        CAPTURE(static_cast<int>(friction.kind));
+        CAPTURE(theta);
+        CAPTURE(rule);
+        Network net = block_at({0, 0, 0.1}, {0.4, 0.2, -0.5}, 6);
+        net.add_plane(floor_with(friction, {0.2, -0.1, 1.0}));
+        check_derivatives(net, theta, rule, 0.5, values_of(net));
+      }
+}
+
+TEST_CASE("derivatives of contact with surfaces that move, turn, are curved and let nodes bounce") {
+  for (const Friction& friction : {held, smooth, rough})
+    for (const double theta : {1.0, 0.7})
+      for (const double restitution : {0.0, 0.6}) {
+        CAPTURE(static_cast<int>(friction.kind));
+        CAPTURE(theta);
+        CAPTURE(restitution);
+        Network net = block_at({-0.1, -0.1, 0.6}, {0.1, 0.0, -1.0}, 6);
+        Instrument ball;
+        ball.name = "ball";
+        ball.radius = 0.5;
+        ball.friction = friction;
+        ball.restitution = restitution;
+        ball.motion = Motion{};
+        ball.motion->times = {0.0, 1.0};
+        ball.motion->displacements = {{0, 0, 0}, {0.1, 0, 0.2}};
+        ball.turn = Turn{};
+        ball.turn->axis = {0.2, 1.0, 0.0};
+        ball.turn->rate = 0.7;
+        net.add_instrument(ball);
+        check_derivatives(net, theta, friction.kind == Friction::Kind::coulomb ? wavefront : newton, 0.3,
+                          values_of(net), 0.01);
+      }
+}
+
+TEST_CASE("derivatives of nodes that slide along the edge of two surfaces, and are stuck there") {
+  for (const double coefficient : {0.0, 0.1, 0.5})
+    for (const double theta : {1.0, 0.5}) {
+      CAPTURE(coefficient);
+      CAPTURE(theta);
+      Network net;
+      net.add_node(point({0.0, 0.05, 0.05}, 1.0, {0.5, -1.0, -1.0}));
+      net.add_node(point({0.3, 0.4, 0.4}, 2.0));
+      net.add_spring(0, 1, net.add_material(damped(20.0, 1.0)));
+      net.set_gravity({0, -6, -7});
+      net.add_spring(1, net.add_node(point({0.7, 0, 0}, 1.0)), 0);  // lies on the edge
+      const Friction friction = coefficient > 0.0 ? Friction{Friction::Kind::coulomb, coefficient} : smooth;
+      net.add_plane(floor_with(friction));
+      Plane wall = floor_with(friction, {0, 1, 0.2});
+      wall.name = "wall";
+      net.add_plane(wall);
+      std::vector<LearnedValues> learned = values_of(net);
+      learned.back().members = {0, 1};
+      check_derivatives(net, theta, newton, 0.2, learned, 0.01);
+    }
+}
+
+TEST_CASE("derivatives of nets with rigid connections, with masses among the values") {
+  for (const double theta : {1.0, 0.5, 0.7}) {
+    CAPTURE(theta);
+    // A tetrahedron with all of its six edges, one of which is told twice, that hangs on springs; and a pendulum.
+    Network net = block_at({0, 0, 0}, {0.5, 0, 0.3}, 7);
+    const NodeIndex first = static_cast<NodeIndex>(net.nodes().size());
+    Dice dice(2);
+    for (const Vector3& at : {Vector3(1, 0, 0), Vector3(1.3, 0, 0), Vector3(1, 0.4, 0), Vector3(1, 0, 0.5)})
+      net.add_node(point(at + dice.in_box(0.05), dice.between(0.5, 2.0)));
+    for (NodeIndex a = first; a < first + 4; ++a)
+      for (NodeIndex b = a + 1; b < first + 4; ++b) net.add_rigid(a, b);
+    const MaterialIndex soft = net.add_material(damped(50.0, 0.5));
+    net.add_spring(1, first, soft);
+    net.add_spring(3, first + 2, soft);
+    net.fix(0);
+    const NodeIndex end = net.add_node(point({0.2, -0.7, 0.1}, 1.5));
+    const NodeIndex last = net.add_node(point({0.6, -0.9, 0.4}, 0.8));
+    net.add_rigid(0, end);
+    net.add_rigid(end, last);
+    std::vector<LearnedValues> learned = values_of(net);
+    learned.pop_back();
+    check_derivatives(net, theta, newton, 0.3, learned, 0.02);
+  }
+}
+
+TEST_CASE("velocities of nodes that are constrained from the start are refused") {
+  Network net = block_at({0, 0, 0.1}, {0, 0, 0});
+  net.add_rigid(2, 5);
+  Node resting = point({3, 0, 0}, 1.0);
+  const NodeIndex lying = net.add_node(resting);
+  net.add_plane(floor_with(smooth));
+  for (const NodeIndex node : {NodeIndex{2}, lying})
+    CHECK(refusal_of([&] {
+            MotionDerivatives(std::make_shared<const Network>(net), plugins(), method(1.0, newton), 0.1,
+                              {{Kind::initial_velocity, false, "", {node}}});
+          }).find("is in contact or rigidly connected at the start") != std::string::npos);
+}
