@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -160,6 +161,7 @@ struct MotionDerivatives::Impl {
   void step_backwards(std::size_t k);
   void add_start(const sdk::Host& of);
   void start_backwards(std::size_t k);
+  void guess_backwards();
   void set_engines(const VectorXd& values);
   void find_outputs(const Step& step);
   [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
@@ -194,6 +196,7 @@ struct MotionDerivatives::Impl {
   VectorXd dp, dv;              // the change of a state, or derivatives of the loss by it
   VectorXd rhs, product, other, solution, work;
   VectorXd weights;                  // of the accelerations at a state
+  std::deque<VectorXd> solved;       // backwards: of the last steps
   VectorXd pending;                  // those that the step after a state has for its start; empty: none
   MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
   MatrixXd dps_before, dvs_before;   // at the start of the step made last
@@ -408,6 +411,15 @@ void MotionDerivatives::Impl::start_backwards(std::size_t k) {
   learned.add_cotangent(of, start_state, weights.data());
 }
 
+// The solutions of the steps after this one go on, nearly.
+void MotionDerivatives::Impl::guess_backwards() {
+  while (solved.size() > 2) solved.pop_front();
+  if (solved.empty())
+    solution.setZero();
+  else
+    solution = solved.size() == 1 ? solved.back() : VectorXd(2.0 * solved.back() - solved.front());
+}
+
 void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   // The accelerations at the start of the next step may have other loads than those at the end of this one, and have
   // constraints.
@@ -423,8 +435,9 @@ void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   clear_pinned(dv);
   outputs.to_free(dp, dv, rhs);
   clear_pinned(rhs);
-  solver.solve_transposed(rhs, accuracy, solution);
-  host.jacobian_transposed_times(solution.data(), product.data(), other.data());
+  guess_backwards();
+  solver.solve_transposed(rhs, accuracy, solution, product, other);
+  solved.push_back(solution);
   weights += own.w * solution;
   learned.add_cotangent(host, end, weights.data());
   product = dp + own.w * product;
@@ -439,6 +452,7 @@ void MotionDerivatives::Impl::step_backwards(std::size_t k) {
 
 VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
   learned.begin_cotangent();
+  solved.clear();
   dp.setZero();
   dv.setZero();
   pending.resize(0);

@@ -17,7 +17,7 @@ constexpr Eigen::Index most_plain = 12;
 constexpr int steps_until_tried = 20;
 // The host's solver need not be more accurate than what it leaves even if it is exact; and it may be better in steps to
 // come.
-constexpr double loosest_inner = 0.03, tightest_inner = 1e-12, forgetting = 0.5;
+constexpr double loosest_inner = 0.03, tightest_inner = 1e-4, forgetting = 0.5;
 // A factorisation takes as long as so many solutions by iteration, in nets of up to so many nodes.
 constexpr Eigen::Index solutions_worth_factors = 20;
 constexpr std::size_t most_nodes_factorised = 1000;
@@ -84,11 +84,13 @@ void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x)
   const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) {
     static_cast<void>(host_.solve_system(in.data(), inner, out.data()));
   };
-  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, mismatch_, x))
+  keeps_products_ = false;
+  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy * right_side.norm(), mismatch_, x))
     directly(right_side, false, x);
 }
 
-void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, VectorXd& x) {
+void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, VectorXd& x, VectorXd& by_position,
+                                  VectorXd& by_velocity) {
   const Eigen::Map<const VectorXd> mass(mass_.data(), static_cast<Eigen::Index>(mass_.size()));
   const auto matrix = [this](const VectorXd& in, VectorXd& out) { apply_transposed(in, out); };
   const auto preconditioner = [&](const VectorXd& in, double inner, VectorXd& out) {
@@ -96,30 +98,58 @@ void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, V
     static_cast<void>(host_.solve_system(work_.data(), inner, out.data()));
     out = out.cwiseProduct(mass);
   };
-  if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy, transposed_mismatch_, x))
-    directly(right_side, true, x);
+  const double size = right_side.norm(), allowed = accuracy * size;
+  VectorXd change, left = right_side;
+  by_position.setZero(right_side.size());
+  by_velocity.setZero(right_side.size());
+  bool is_near = false;
+  if (x.size() == right_side.size() && !x.isZero(0.0)) {
+    clear_pinned(x);
+    apply_transposed(x, left);
+    left = right_side - left;
+    is_near = left.norm() < size;
+    if (is_near) {
+      by_position = by_position_;
+      by_velocity = by_velocity_;
+    }
+  }
+  if (!is_near) {
+    x.setZero(right_side.size());
+    left = right_side;
+  }
+  if (left.norm() <= allowed) return;
+  keeps_products_ = true;
+  if (!factorised_ && iterate(matrix, preconditioner, left, allowed, transposed_mismatch_, change)) {
+    x += change;
+    by_position += by_position_;
+    by_velocity += by_velocity_;
+    return;
+  }
+  directly(right_side, true, x);
+  host_.jacobian_transposed_times(x.data(), by_position.data(), by_velocity.data());
 }
 
-bool StepSolver::iterate(const Map& matrix, const Preconditioner& solver, const VectorXd& right_side, double accuracy,
+bool StepSolver::iterate(const Map& matrix, const Preconditioner& solver, const VectorXd& right_side, double allowed,
                          double& mismatch, VectorXd& x) {
   if (!prepared_ && prepared_steps_ == 0) {
     double none = 0.0;
-    if (iterate(matrix, nullptr, most_plain, right_side, accuracy, none, x)) return true;
+    if (iterate(matrix, nullptr, most_plain, right_side, allowed, none, x)) return true;
     prepared_steps_ = steps_until_tried;
   }
   if (!prepared_) host_.prepare_system({w_, w_ * w_});
   prepared_ = true;
-  return iterate(matrix, &solver, most_iterations(), right_side, accuracy, mismatch, x);
+  return iterate(matrix, &solver, most_iterations(), right_side, allowed, mismatch, x);
 }
 
 // Arnoldi's basis by modified Gram-Schmidt, least squares by Givens rotations. False: no convergence.
 bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner, Eigen::Index most,
-                         const VectorXd& right_side, double accuracy, double& mismatch, VectorXd& x) {
+                         const VectorXd& right_side, double allowed, double& mismatch, VectorXd& x) {
   const double size = right_side.norm();
   x.setZero(right_side.size());
   if (!(size > 0.0)) return size == 0.0;
   basis_.assign(1, right_side / size);
   images_.clear();
+  products_.clear();
   std::vector<VectorXd> columns;  // of the triangle
   VectorXd g = VectorXd::Zero(most + 1), cosine(most), sine(most);
   g[0] = size;
@@ -130,13 +160,14 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
     const Eigen::Index k = count++;
     images_.emplace_back(right_side.size());
     const double left = std::abs(g[k]);
-    const double inner = std::clamp(std::max(mismatch, 0.3 * accuracy * size / left), tightest_inner, loosest_inner);
+    const double inner = std::clamp(std::max(mismatch, 0.3 * allowed / left), tightest_inner, loosest_inner);
     if (preconditioner != nullptr)
       (*preconditioner)(basis_.back(), inner, images_.back());
     else
       images_.back() = basis_.back();
     if (!images_.back().allFinite()) return false;
     matrix(images_.back(), next);
+    if (keeps_products_) products_.insert(products_.end(), {by_position_, by_velocity_});
     VectorXd& h = columns.emplace_back(k + 2);
     for (Eigen::Index i = 0; i <= k; ++i) {
       h[i] = basis_[static_cast<std::size_t>(i)].dot(next);
@@ -155,7 +186,7 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
     h[k] = radius;
     g[k + 1] = -sine[k] * g[k];
     g[k] *= cosine[k];
-    settled = std::abs(g[k + 1]) <= accuracy * size;
+    settled = std::abs(g[k + 1]) <= allowed;
     const double reduction = std::abs(g[k + 1]) / left;
     if (reduction > 3.0 * inner) mismatch = std::max(mismatch, reduction);
     if (!settled && !(length > 0.0)) return false;
@@ -163,11 +194,17 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
   }
   if (!settled) return false;
   mismatch *= forgetting;
+  by_position_.setZero();
+  by_velocity_.setZero();
   for (Eigen::Index k = count; k-- > 0;) {  // backwards through the triangle
     const VectorXd& h = columns[static_cast<std::size_t>(k)];
     g[k] /= h[k];
     g.head(k) -= g[k] * h.head(k);
-    x += g[k] * images_[static_cast<std::size_t>(k)];
+    const auto number = static_cast<std::size_t>(k);
+    x += g[k] * images_[number];
+    if (!keeps_products_) continue;
+    by_position_ += g[k] * products_[2 * number];
+    by_velocity_ += g[k] * products_[2 * number + 1];
   }
   clear_pinned(x);
   return true;

@@ -30,17 +30,19 @@ class StepSolver {
   // accuracy: of the residual, relative to the right-hand side. Throws sdk::Failure if the matrix is singular, or if
   // the iteration does not converge.
   void solve(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x);
-  void solve_transposed(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x);
+  // x: a guess when it is called. by_position, by_velocity: (da/dp)^T x and (da/dv)^T x.
+  void solve_transposed(const Eigen::VectorXd& right_side, double accuracy, Eigen::VectorXd& x,
+                        Eigen::VectorXd& by_position, Eigen::VectorXd& by_velocity);
 
  private:
   using Map = std::function<void(const Eigen::VectorXd& in, Eigen::VectorXd& out)>;
   using Preconditioner = std::function<void(const Eigen::VectorXd& in, double accuracy, Eigen::VectorXd& out)>;
-  // preconditioner: null: none.
+  // allowed: the residual that may be left. preconditioner: null: none.
   [[nodiscard]] bool iterate(const Map& matrix, const Preconditioner* preconditioner, Eigen::Index most,
-                             const Eigen::VectorXd& right_side, double accuracy, double& mismatch, Eigen::VectorXd& x);
+                             const Eigen::VectorXd& right_side, double allowed, double& mismatch, Eigen::VectorXd& x);
   // With the host's solver, or without.
   [[nodiscard]] bool iterate(const Map& matrix, const Preconditioner& solver, const Eigen::VectorXd& right_side,
-                             double accuracy, double& mismatch, Eigen::VectorXd& x);
+                             double allowed, double& mismatch, Eigen::VectorXd& x);
   void directly(const Eigen::VectorXd& right_side, bool transposed, Eigen::VectorXd& x);
   void clear_pinned(Eigen::VectorXd& values) const;
   void apply(const Eigen::VectorXd& in, Eigen::VectorXd& out);
@@ -56,6 +58,8 @@ class StepSolver {
   // What an exact solution by the preconditioner leaves of the residual, of A and of its transpose, as far as known.
   double mismatch_ = 0.0, transposed_mismatch_ = 0.0;
   std::vector<Eigen::VectorXd> basis_, images_;
+  bool keeps_products_ = false;
+  std::vector<Eigen::VectorXd> products_;  // of transposed derivatives with each image: two
   Eigen::VectorXd work_, other_, by_position_, by_velocity_;
   const ConstrainedOutputs* outputs_ = nullptr;
 };

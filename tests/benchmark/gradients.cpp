@@ -1,5 +1,5 @@
 // The gradient of a motion by all of its rest lengths against the motion itself: time of both, alternately.
-#include <chrono>
+#include <ctime>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -47,7 +47,8 @@ Motion lattice() {
   return {std::make_shared<const Network>(std::move(network)), options, 0.4};
 }
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+// Of the processor, on one thread: other programs that run beside do not count.
+double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // share: of the memory that all states would take; 1: 1 GiB.
 void measure(benchmark::State& state, const Motion& motion, double share = 1.0) {
@@ -61,7 +62,7 @@ void measure(benchmark::State& state, const Motion& motion, double share = 1.0) 
     derivatives.set_memory(
         static_cast<std::size_t>(share * states * 48.0 * static_cast<double>(motion.network->nodes().size())));
   const Eigen::VectorXd values = derivatives.values_of_network();
-  double forward = 0.0, both = 0.0;
+  double forward = 0.0, run = 0.0, both = 0.0;
   for (auto _ : state) {
     const double start = seconds();
     Simulation simulation(motion.network, plugins(), motion.options);
@@ -69,16 +70,19 @@ void measure(benchmark::State& state, const Motion& motion, double share = 1.0) 
     simulation.advance_to(motion.duration);
     const double simulated = seconds();
     derivatives.run(values);
+    const double ran = seconds();
     benchmark::DoNotOptimize(derivatives.adjoint([&](std::size_t k, MotionDerivatives::StateChange& add) {
       if (k % 5 == 0) add.positions.row(2).setOnes();
     }));
     const double done = seconds();
     forward += simulated - ready;
+    run += ran - simulated;
     both += done - simulated;
     state.SetIterationTime(done - start);
   }
   state.counters["values"] = static_cast<double>(all.size());
   state.counters["forward_ms"] = 1e3 * forward / static_cast<double>(state.iterations());
+  state.counters["run_over_forward"] = run / forward;
   state.counters["with_gradient_over_forward"] = both / forward;
   const MotionDerivatives::Kept kept = derivatives.kept();
   state.counters["states"] = static_cast<double>(kept.states);
