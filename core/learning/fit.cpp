@@ -86,6 +86,21 @@ VectorXd Fit::residuals(const VectorXd& x) {
   return result;
 }
 
+void Fit::note_ruptures(std::vector<std::string>& notes) const {
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    std::vector<Event> broken = runs_[i].motion->events();
+    std::erase_if(broken, [](const Event& each) { return each.kind != Event::Kind::ruptured; });
+    if (broken.empty()) continue;
+    const Event& first = broken.front();
+    const std::string others = broken.size() > 1 ? fmt::format(", and {} more later", broken.size() - 1) : "";
+    notes.push_back(fmt::format(
+        "{}{} {} breaks at {:g} s{}. Derivatives are those of a motion in which the same breaks in the same steps: how "
+        "the times of ruptures move with the values is not part of them.",
+        runs_.size() > 1 ? fmt::format("Experiment {}: ", i) : "", first.element ? "Element" : "Spring", first.index,
+        first.time, others));
+  }
+}
+
 void Fit::linearise(const VectorXd& x) {
   const VectorXd known = residuals(x);  // which keeps the directions of distances
   if (!known.allFinite()) throw Error(ErrorKind::simulation, "learning: " + failure_);

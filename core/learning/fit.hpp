@@ -30,6 +30,8 @@ class Fit {
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
   [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
+  // A note for each motion of the last residuals in which something breaks.
+  void note_ruptures(std::vector<std::string>& notes) const;
   // Derivatives at x, which has finite residuals.
   void linearise(const Eigen::VectorXd& x);
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& changes);

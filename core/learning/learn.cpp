@@ -145,6 +145,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
   result.rms = learning::rms_of(residuals, fit.observed());
+  fit.note_ruptures(result.notes);
 
   const VectorXd& scale = variables.scale();
   const double numbers = static_cast<double>(variables.count()) * static_cast<double>(fit.observation_rows());

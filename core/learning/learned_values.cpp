@@ -236,7 +236,7 @@ std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
 }
 
 void LearnedSets::tangent(const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
-                          double* accelerations) {
+                          double* accelerations, double* internal) {
   for (Set& set : sets_) {
     if (set.is_velocity()) continue;
     std::fill(set.values.begin(), set.values.end(), 0.0);
@@ -244,17 +244,19 @@ void LearnedSets::tangent(const sdk::Host& host, const springnet_evaluation& at,
       set.values[set.places[i]] = change[static_cast<Eigen::Index>(set.first + i)];
   }
   const std::vector<sdk::Host::ParameterSet> sets = host_sets();
-  if (!sets.empty()) return host.parameter_tangent(at, sets, {nullptr, accelerations, nullptr});
+  if (!sets.empty()) return host.parameter_tangent(at, sets, {nullptr, accelerations, internal});
   std::fill_n(accelerations, 3 * host.network().node_count, 0.0);
+  if (internal != nullptr) std::fill_n(internal, host.network().internal_count, 0.0);
 }
 
 void LearnedSets::begin_cotangent() {
   for (Set& set : sets_) std::fill(set.values.begin(), set.values.end(), 0.0);
 }
 
-void LearnedSets::add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights) {
+void LearnedSets::add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights,
+                                double* internal_weights) {
   const std::vector<sdk::Host::ParameterSet> sets = host_sets();
-  if (!sets.empty()) host.parameter_cotangent(at, sets, {nullptr, weights, nullptr});
+  if (!sets.empty()) host.parameter_cotangent(at, sets, {nullptr, weights, internal_weights});
 }
 
 Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const {

@@ -31,12 +31,14 @@ class LearnedSets {
   void set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const;
   void set(Engine& engine, const Eigen::VectorXd& values) const;
 
-  // Changes of accelerations, [3 node], for that of the values.
+  // Changes of accelerations, [3 node], for that of the values; and of internal states at the end of a step, null: not
+  // wanted.
   void tangent(const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
-               double* accelerations);
-  // Adds (da/d(values))^T weights, to zeros at first.
+               double* accelerations, double* internal = nullptr);
+  // Adds (da/d(values))^T weights, to zeros at first; of internal states likewise.
   void begin_cotangent();
-  void add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights);
+  void add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights,
+                     double* internal_weights = nullptr);
   // The sums, with derivatives by the start velocities (the engine's order, x of all nodes first).
   [[nodiscard]] Eigen::VectorXd cotangent(const Eigen::VectorXd& by_velocity) const;
   // Of masses, [node] kg; and adds derivatives by masses ([node]) to the sums.

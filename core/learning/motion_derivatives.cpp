@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,7 +12,10 @@
 #include <springnet/sdk/host.hpp>
 
 #include "learning/constrained_outputs.hpp"
+#include "learning/internal_states.hpp"
 #include "learning/learned_values.hpp"
+#include "learning/motion_checks.hpp"
+#include "learning/removals.hpp"
 #include "learning/step_constraints.hpp"
 #include "learning/step_solver.hpp"
 #include "learning/trajectory.hpp"
@@ -26,34 +29,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double default_accuracy = 1e-10;
-
-constexpr std::string_view method = "recurrent";
-
-double option(const LawUse& integrator, const char* name, double otherwise) {
-  const auto given = integrator.parameters.find(name);
-  return given == integrator.parameters.end() ? otherwise : given->second;
-}
-
-void check_method(const Network& network, const LawUse& integrator) {
-  const auto refuse = [](const std::string& what) { throw Error(ErrorKind::input, "learning: " + what); };
-  if (integrator.id != method)
-    refuse(fmt::format("the integrator is '{}'; only steps of '{}' are differentiated", integrator.id, method));
-  if (option(integrator, "sweeps", 0.0) != 0.0)
-    refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
-  if (option(integrator, "events", 0.0) != 0.0)
-    refuse("steps that are divided where events are located are not differentiated; set events = \"stepwise\"");
-  if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
-}
-
-// Whether derivatives of accelerations at a time do not depend on the step: loads are averaged over each, and
-// derivatives by masses have them; input signals may jump.
-bool have_no_jumps(const Network& network) {
-  const auto stays = [](const Load& load) {
-    return load.faces.empty() && load.course.times.empty() && load.course.frequency == 0.0 && load.course.ramp == 0.0 &&
-           std::isinf(load.from) && std::isinf(load.until);
-  };
-  return network.inputs().empty() && std::all_of(network.loads().begin(), network.loads().end(), stays);
-}
 
 }  // namespace
 
@@ -76,28 +51,41 @@ struct MotionDerivatives::Impl {
         table(make_host_table(engine)),
         host(table),
         solver(host),
-        same_at_both(have_no_jumps(*net)),
-        theta(option(options.integrator, "theta", 1.0)),
+        theta(learning::option(options.integrator, "theta", 1.0)),
+        internal(engine, theta),
+        same_at_both(learning::have_no_jumps(*net) && !internal.any()),
+        removals(engine),
         steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
-    check_method(*net, options.integrator);
+    learning::check_method(*net, options.integrator);
     if (!(duration > 0.0) || !std::isfinite(duration) || steps == 0)
       throw Error(ErrorKind::input,
                   fmt::format("learning: a duration of {} s has no time step of {} s", duration, options.time_step));
-    const springnet_network& network = host.network();
-    if (network.internal_count > 0)
-      throw Error(ErrorKind::input, "learning: laws with internal states are not differentiated");
-    nodes = network.node_count;
+    nodes = host.network().node_count;
     learned.attach(engine);
-    if (!net->planes().empty() || !net->instruments().empty() || !net->rigids().empty())
-      constraints = std::make_unique<learning::StepConstraints>(*net, *plugins, options);
     network_values = learned.values_of(engine);
-    check_starts();
-    start = simulation.save();
+    if (!net->planes().empty() || !net->instruments().empty() || !net->rigids().empty()) {
+      constraints = std::make_unique<learning::StepConstraints>(*net, *plugins, options);
+      constraints->check_starts(learned, simulation);
+      removals.follow(constraints->engine());
+    }
+    internal.check_start(learned, network_values);
+    saved_start = simulation.save();
     for (VectorXd* each : {&dp, &dv, &rhs, &product, &other, &solution}) each->setZero(size());
   }
 
   [[nodiscard]] Eigen::Index size() const { return 3 * static_cast<Eigen::Index>(nodes); }
-  [[nodiscard]] springnet_evaluation evaluation(const State& at) const {
+  // With the internal states as they are, or of the step that ends there.
+  [[nodiscard]] springnet_evaluation evaluation(const State& at) {
+    springnet_evaluation result = nodes_at(at);
+    result.internal = internal.as_they_are(at.z);
+    return result;
+  }
+  [[nodiscard]] springnet_evaluation end_of(const Step& step) {
+    springnet_evaluation result = nodes_at(step.until);
+    result.internal = internal.stepped(step.until.time - step.from.time);
+    return result;
+  }
+  [[nodiscard]] springnet_evaluation nodes_at(const State& at) const {
     auto result = sdk::sized<springnet_evaluation>();
     result.time = at.time;
     result.position = {at.p.data(), at.p.data() + nodes, at.p.data() + 2 * nodes};
@@ -142,6 +130,7 @@ struct MotionDerivatives::Impl {
     check_number(state);
     return trajectory.at(state);
   }
+  void begin(const VectorXd& values);
   void run(const VectorXd& values);
   void record(State& to) const;
   [[nodiscard]] State present() const {
@@ -149,15 +138,16 @@ struct MotionDerivatives::Impl {
     record(result);
     return result;
   }
-  void check_starts() const;
-  void check_step();
+  void check_step(std::size_t state);
   void begin_tangent(const MatrixXd& directions);
   [[nodiscard]] MatrixXd columns_in_user_order(const MatrixXd& values) const;
   void tangent(const MatrixXd& directions, const StateTangents& told);
   void begin_steps(const VectorXd& values, const MatrixXd& directions);
   void make_step(const VectorXd& values, const MatrixXd& directions);
   VectorXd adjoint(const std::function<void(std::size_t, StateChange&)>& add);
+  void begin_step(const Step& step);
   void step_forwards(const Step& step);
+  void add_internal_at_start(const sdk::Host& of, const springnet_evaluation& start, double weight);
   void step_backwards(std::size_t k);
   void add_start(const sdk::Host& of);
   void start_backwards(std::size_t k);
@@ -186,14 +176,15 @@ struct MotionDerivatives::Impl {
   std::unique_ptr<learning::StepConstraints> constraints;
   learning::ConstrainedOutputs outputs;  // of a step
   learning::StepSolver solver;
-  bool same_at_both;  // accelerations at a time, as the end of a step and as the start of the next one
   double theta;
+  learning::InternalStates internal;
+  bool same_at_both;  // accelerations at a time, as the end of a step and as the start of the next one
+  learning::Removals removals;
   double accuracy = default_accuracy;
   std::size_t steps, nodes = 0;
-  std::string start;
+  std::string saved_start;
   VectorXd network_values;
-  std::size_t events_seen = 0;  // of the simulation
-  VectorXd dp, dv;              // the change of a state, or derivatives of the loss by it
+  VectorXd dp, dv;  // the change of a state, or derivatives of the loss by it
   VectorXd rhs, product, other, solution, work;
   VectorXd weights;                  // of the accelerations at a state
   std::deque<VectorXd> solved;       // backwards: of the last steps
@@ -212,21 +203,11 @@ void MotionDerivatives::Impl::record(State& to) const {
     to.p.segment(axis * n, n) = p.row(axis).transpose();
     to.v.segment(axis * n, n) = v.row(axis).transpose();
   }
-}
-
-// Start velocities of nodes that are constrained from the start are projected, which is not differentiated.
-void MotionDerivatives::Impl::check_starts() const {
-  if (!constraints) return;
-  for (const NodeIndex node : learned.with_start_velocities())
-    if (simulation.touching(node) || constraints->is_rigid(simulation.columns()[node]))
-      throw Error(ErrorKind::input,
-                  fmt::format("learning: node {} is in contact or rigidly connected at the start; its velocity there "
-                              "cannot be learned",
-                              node));
+  internal.record(simulation, to.z);
 }
 
 // What the derivative of a fixed point does not describe.
-void MotionDerivatives::Impl::check_step() {
+void MotionDerivatives::Impl::check_step(std::size_t state) {
   const auto refuse = [this](const std::string& what) {
     throw Error(ErrorKind::simulation,
                 fmt::format("learning: {} at {:g} s is not differentiated", what, simulation.time()));
@@ -234,29 +215,32 @@ void MotionDerivatives::Impl::check_step() {
   const StepReport& report = simulation.last_report();
   if (report.outcome != Outcome::settled) refuse("a step that has not settled");
   if (report.substeps > 0) refuse("a step that was divided as it did not settle");
-  for (; events_seen < simulation.events().size(); ++events_seen) {
-    const Event& event = simulation.events()[events_seen];
-    if (event.kind == Event::Kind::cut || event.kind == Event::Kind::ruptured) refuse("a cut or rupture");
-    if (event.kind == Event::Kind::jammed) refuse("a node that is jammed");
-  }
+  if (removals.take(simulation.events(), state, simulation.time()) != nullptr) refuse("a node that is jammed");
+  if (constraints) constraints->history().record(simulation, state);
+}
+
+void MotionDerivatives::Impl::begin(const VectorXd& values) {
+  simulation.restore(saved_start);
+  removals.begin(simulation.events().size());
+  learned.set(simulation, values);
+  if (constraints) constraints->history().begin(simulation);
 }
 
 void MotionDerivatives::Impl::run(const VectorXd& values) {
   learned.check(values);
-  simulation.restore(start);
-  events_seen = 0;
-  learned.set(simulation, values);
-  if (constraints) constraints->history().begin(simulation);
-  trajectory.run(steps, [this](std::size_t k) {
-    check_step();
-    if (constraints) constraints->history().record(simulation, k);
-  });
+  begin(values);
+  trajectory.run(steps, [this](std::size_t state) { check_step(state); });
   set_engines(values);
 }
 
 void MotionDerivatives::Impl::set_engines(const VectorXd& values) {
   learned.set(engine, values);
   if (constraints) learned.set(constraints->engine(), values);
+}
+
+void MotionDerivatives::Impl::begin_step(const Step& step) {
+  internal.start_at(nodes_at(step.from), step.from.z);
+  host.begin_step(step.from.time, step.until.time);
 }
 
 // For accelerations at the start of a step, at this state.
@@ -266,21 +250,22 @@ const sdk::Host& MotionDerivatives::Impl::host_at_start(std::size_t state, doubl
   return host;
 }
 
-// Where the step is that of `host`: what constraints make of it.
+// Where `host` has begun the step: what constraints make of it.
 void MotionDerivatives::Impl::find_outputs(const Step& step) {
   outputs.begin(nodes, step.c, step.w);
   if (!constraints || !constraints->any_within(step.number)) return;
-  const auto accelerations = [&](const sdk::Host& of, const State& at) {
+  const auto accelerations = [&](const sdk::Host& of, springnet_evaluation where) {
     VectorXd result(size());
-    springnet_evaluation where = evaluation(at);
     where.acceleration = {result.data(), result.data() + nodes, result.data() + 2 * nodes};
     of.evaluate(where);
     return result;
   };
-  VectorXd free = step.from.v + step.w * accelerations(host, step.until);
-  if (step.c > 0.0)
-    free += step.c * accelerations(host_at_start(step.number - 1, step.from.time, step.until.time), step.from);
-  host.begin_step(step.from.time, step.until.time);
+  VectorXd free = step.from.v + step.w * accelerations(host, end_of(step));
+  if (step.c > 0.0) {
+    const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+    free += step.c * accelerations(of, evaluation(step.from));
+    begin_step(step);
+  }
   constraints->find_outputs(
       {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p, step.until.v}, free,
       outputs);
@@ -288,29 +273,33 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
 
 // Each column of dps and dvs is the change of a state.
 void MotionDerivatives::Impl::step_forwards(const Step& step) {
+  begin_step(step);
   const Eigen::Index columns = dps.cols();
   rhss = dvs;
-  const auto add = [&](const sdk::Host& of, const State& at, double weight, const MatrixXd& positions,
-                       const MatrixXd& velocities) {
-    const springnet_evaluation where = evaluation(at);
+  const auto add = [&](const sdk::Host& of, const springnet_evaluation& where, double weight, bool at_end) {
     other.setZero();
     for (Eigen::Index j = 0; j < columns; ++j) {
-      of.jacobian_times(positions.col(j).data(), velocities.col(j).data(), product.data(), SPRINGNET_TRUE_FRICTION);
+      of.jacobian_times(dps.col(j).data(), dvs.col(j).data(), product.data(), SPRINGNET_TRUE_FRICTION);
       if (&of != &host) {
-        work = positions.col(j);
+        work = dps.col(j);
         constraints->add_carried(work, product);
       }
-      learned.tangent(of, where, changes.col(j), other.data());
+      learned.tangent(of, where, changes.col(j), other.data(), at_end ? internal.by_values(j) : nullptr);
       rhss.col(j) += weight * (product + other);
     }
   };
+  const springnet_evaluation start = evaluation(step.from);
   if (step.c > 0.0) {
     const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
-    of.linearise(evaluation(step.from));
-    add(of, step.from, step.c, dps, dvs);
+    of.linearise(start);
+    add(of, start, step.c, false);
+    add_internal_at_start(of, start, step.c);
+    begin_step(step);
   }
-  host.begin_step(step.from.time, step.until.time);
+  const springnet_evaluation end = end_of(step);
   find_outputs(step);
+  solver.prepare(end, step.w, columns, &outputs);
+  internal.add_by_start(start, end, step.w, dps, dvs, rhss);
   // Without the velocities V that are yet to be found.
   for (Eigen::Index j = 0; j < columns; ++j) {
     outputs.from_start(dps.col(j), dvs.col(j), solution, product);
@@ -318,8 +307,7 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
     dps.col(j) = solution;
     dvs.col(j) = product;
   }
-  solver.prepare(evaluation(step.until), step.w, columns, &outputs);
-  add(host, step.until, step.w, dps, dvs);
+  add(host, end, step.w, true);
   for (Eigen::Index j = 0; j < columns; ++j) {
     rhs = rhss.col(j);
     clear_pinned(rhs);
@@ -332,6 +320,19 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
     dps.col(j) = product;
     dvs.col(j) = other;
   }
+  internal.end_step(end, dps, dvs);
+}
+
+// What changes of internal states at the start make of the accelerations there.
+void MotionDerivatives::Impl::add_internal_at_start(const sdk::Host& of, const springnet_evaluation& start,
+                                                    double weight) {
+  if (!internal.any()) return;
+  if (&of == &host) return internal.add_accelerations(start, weight, rhss);
+  host.linearise(start);
+  MatrixXd free = MatrixXd::Zero(size(), rhss.cols());
+  internal.add_accelerations(start, weight, free);
+  for (Eigen::Index j = 0; j < free.cols(); ++j) constraints->project(false, free.col(j).data());
+  rhss += free;
 }
 
 void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
@@ -339,6 +340,7 @@ void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
   changes = directions;
   dps.setZero(size(), directions.cols());
   dvs.setZero(size(), directions.cols());
+  internal.begin_changes(directions.cols());
   for (Eigen::Index j = 0; j < directions.cols(); ++j) {
     product.setZero();
     learned.start_velocity(directions.col(j), product);
@@ -357,15 +359,14 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
   for (std::size_t k = 0;; ++k) {
     told(k, columns_in_user_order(dps), columns_in_user_order(dvs));
     if (k + 1 >= trajectory.size()) return;
+    removals.set_for_step(k + 1);
     with_messages([&] { step_forwards(step(k + 1)); });
   }
 }
 
 void MotionDerivatives::Impl::begin_steps(const VectorXd& values, const MatrixXd& directions) {
   learned.check(values);
-  simulation.restore(start);
-  events_seen = 0;
-  learned.set(simulation, values);
+  begin(values);
   set_engines(values);
   begin_tangent(directions);
   dps_before = dps;
@@ -379,11 +380,12 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
   learned.check(values);
   for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
   learned.set_without_start(simulation, values);
+  removals.begin_at_last();
   if (constraints) constraints->history().begin(simulation);
   simulation.step();
-  check_step();
-  if (constraints) constraints->history().record(simulation, 1);
+  check_step(1);
   trajectory.hold(trajectory.at(1), present());
+  removals.set_for_step(1);
   set_engines(values);
   changes = directions;
   dps_before = dps;
@@ -403,12 +405,20 @@ void MotionDerivatives::Impl::add_start(const sdk::Host& of) {
 }
 
 void MotionDerivatives::Impl::start_backwards(std::size_t k) {
-  const springnet_evaluation start_state = evaluation(trajectory.at(k));
+  const springnet_evaluation start = evaluation(trajectory.at(k));
   const sdk::Host& of = host_at_start(k, trajectory.time(k), trajectory.time(k + 1));
-  of.linearise(start_state);
+  of.linearise(start);
+  if (internal.any()) {
+    work = pending;
+    if (&of != &host) {
+      host.linearise(start);
+      constraints->project(true, work.data());
+    }
+    internal.weigh_accelerations(start, work);
+  }
   weights.setZero(size());
   add_start(of);
-  learned.add_cotangent(of, start_state, weights.data());
+  learned.add_cotangent(of, start, weights.data());
 }
 
 // The solutions of the steps after this one go on, nearly.
@@ -421,16 +431,18 @@ void MotionDerivatives::Impl::guess_backwards() {
 }
 
 void MotionDerivatives::Impl::step_backwards(std::size_t k) {
-  // The accelerations at the start of the next step may have other loads than those at the end of this one, and have
-  // constraints.
-  if (pending.size() > 0 && (!same_at_both || is_constrained_at(k))) start_backwards(k);
+  // The accelerations at the start of the next step may have other loads, states, springs or contacts than those at the
+  // end of this one.
+  if (pending.size() > 0 && (!same_at_both || removals.any_at(k) || is_constrained_at(k))) start_backwards(k);
+  removals.set_for_step(k);
   const Step own = step(k);
-  const springnet_evaluation end = evaluation(own.until);
+  const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
   weights.setZero(size());
-  host.begin_step(own.from.time, own.until.time);
+  begin_step(own);
   find_outputs(own);
   solver.prepare(end, own.w, 1, &outputs);
   if (pending.size() > 0) add_start(host);
+  internal.weigh_end(end, dp, dv);
   clear_pinned(dp);
   clear_pinned(dv);
   outputs.to_free(dp, dv, rhs);
@@ -439,12 +451,13 @@ void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   solver.solve_transposed(rhs, accuracy, solution, product, other);
   solved.push_back(solution);
   weights += own.w * solution;
-  learned.add_cotangent(host, end, weights.data());
+  learned.add_cotangent(host, end, weights.data(), internal.weights());
   product = dp + own.w * product;
   other = dv + own.w * other;
   if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
   outputs.to_start(product, other, dp, dv);
   dv += solution;
+  internal.weigh_start(start, end, own.w * solution, dp, dv);
   clear_pinned(dp);
   clear_pinned(dv);
   if (own.c > 0.0) pending = own.c * solution;
@@ -455,6 +468,7 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   solved.clear();
   dp.setZero();
   dv.setZero();
+  internal.begin_weights();
   pending.resize(0);
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
   for (std::size_t k = trajectory.size(); k-- > 0;) {
@@ -468,7 +482,10 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
     add_from_user_order(own.velocities, dv);
     if (k > 0) with_messages([&] { step_backwards(k); });
   }
-  if (pending.size() > 0) with_messages([&] { start_backwards(0); });
+  if (pending.size() > 0) {
+    removals.set_for_step(1);
+    with_messages([&] { start_backwards(0); });
+  }
   clear_pinned(dv);
   return learned.cotangent(dv);
 }
@@ -506,6 +523,7 @@ void MotionDerivatives::set_accuracy(double relative) {
     throw Error(ErrorKind::input, fmt::format("learning: an accuracy of {} is not between 0 and 1", relative));
   impl_->accuracy = relative;
 }
+std::vector<Event> MotionDerivatives::events() const { return impl_->removals.events(); }
 void MotionDerivatives::set_memory(std::size_t bytes) { impl_->trajectory.set_memory(bytes); }
 MotionDerivatives::Kept MotionDerivatives::kept() const noexcept {
   const learning::Trajectory::Use& use = impl_->trajectory.use();

@@ -53,6 +53,15 @@ bool StepConstraints::is_rigid(std::uint32_t node) const {
   return cluster_of != nullptr && cluster_of[node] != 0xffffffffu;
 }
 
+void StepConstraints::check_starts(const LearnedSets& learned, const Simulation& simulation) const {
+  for (const NodeIndex node : learned.with_start_velocities())
+    if (simulation.touching(node) || is_rigid(simulation.columns()[node]))
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: node {} is in contact or rigidly connected at the start; its velocity there "
+                              "cannot be learned",
+                              node));
+}
+
 bool StepConstraints::any_at(std::size_t state) { return engine_.model().rigid.any() || !history_.at(state).empty(); }
 
 bool StepConstraints::any_within(std::size_t step) {

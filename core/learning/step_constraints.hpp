@@ -14,6 +14,7 @@
 
 #include "learning/constrained_outputs.hpp"
 #include "learning/contact_history.hpp"
+#include "learning/learned_values.hpp"
 #include "simulation/engine.hpp"
 
 namespace springnet::learning {
@@ -28,7 +29,9 @@ class StepConstraints {
   // Its parameters must be those of the motion.
   [[nodiscard]] Engine& engine() noexcept { return engine_; }
   [[nodiscard]] ContactHistory& history() noexcept { return history_; }
-  [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
+  // Throws Error(input) if start velocities are learned of nodes that are constrained from the start: they are
+  // projected, which is not differentiated. simulation: at the start.
+  void check_starts(const LearnedSets& learned, const Simulation& simulation) const;
   // Whether anything constrains the accelerations at a state.
   [[nodiscard]] bool any_at(std::size_t state);
   // Or the outputs of the step that ends at a state.
@@ -50,7 +53,14 @@ class StepConstraints {
   // Throws Error(simulation) for a contact that is not differentiated, with its node and time.
   void find_outputs(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs);
 
+  // Of accelerations without constraints, [3 node], where the host was linearised: what these make of them; or the
+  // transpose.
+  void project(bool transposed, double* accelerations) {
+    engine_.linear().project_accelerations(transposed, accelerations);
+  }
+
  private:
+  [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
   template <class Use>
   void for_each_carried(const Use& use);
   void add_clusters(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs) const;

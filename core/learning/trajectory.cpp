@@ -13,7 +13,7 @@ namespace springnet::learning {
 namespace {
 
 // States of a part: few if they are large. Of the net alone, so that the budget changes no bits.
-constexpr std::size_t most_of_part = 128, least_of_part = 4, bytes_of_part = std::size_t{1} << 27;
+constexpr std::size_t most_of_part = 32, least_of_part = 4, bytes_of_part = std::size_t{1} << 27;
 
 std::size_t bytes_of(const Trajectory::State& state) {
   return sizeof state + sizeof(double) * static_cast<std::size_t>(state.p.size() + state.v.size() + state.z.size());

@@ -287,13 +287,31 @@ void Topology::archive(Archive& archive) {
     model_.loads.faces_changed();
     return;
   }
+  lay_out_without({springs, elements, {faces.begin(), faces.end()}});
+}
+
+void Topology::lay_out_without(const Removal& removed) {
+  layers::Layout& layout = model_.layout;
   layout.put_back_all();
-  layout.remove(springs);
-  layout.remove_elements(elements);
-  layout.remove_faces({faces.begin(), faces.end()});
+  layout.remove(removed.springs);
+  layout.remove_elements(removed.elements);
+  layout.remove_faces(removed.faces);
   model_.loads.faces_changed();
   rupturing_.reset();
   linear_.topology_changed();
+}
+
+void Topology::put_back_all_but(const Removal& removed) {
+  layers::Layout& layout = model_.layout;
+  Removal all = removed;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  for (const std::uint32_t s : removed.springs) ends.emplace_back(layout.first(s), layout.second(s));
+  layout.put_back_all();
+  const auto add = [](auto& to, const auto& more) { to.insert(to.end(), more.begin(), more.end()); };
+  if (layout.elements().live_count() > 0) add(all.elements, layout.elements().broken_by(ends));
+  if (layout.loaded_faces().count() > 0) add(all.faces, layout.loaded_faces().broken_by(ends));
+  lay_out_without(all);
+  model_.changed();
 }
 
 void Topology::keep_states_of_removed(const State& before) {

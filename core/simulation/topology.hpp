@@ -38,6 +38,8 @@ class Topology {
     std::vector<std::size_t> faces;
   };
   std::size_t remove(const Removal& removal, Event::Kind kind, double time, const layers::NodeArrays& nodes);
+  // All is there again but what is listed, elements and faces along these springs among it. Records nothing.
+  void put_back_all_but(const Removal& removed);
   // At the committed state. Nodes lose all that is theirs.
   std::size_t remove_elements(const std::vector<std::uint32_t>& elements);
   void remove_nodes(const std::vector<std::uint32_t>& nodes);
@@ -70,6 +72,7 @@ class Topology {
                                       const layers::NodeArrays& nodes) const;
   [[nodiscard]] Event event_of_element(std::uint32_t element, Event::Kind kind, double time,
                                        const layers::NodeArrays& nodes) const;
+  void lay_out_without(const Removal& removed);
   // Returns whether any face was removed.
   bool remove_faces(const std::vector<std::size_t>& faces, double time);
 

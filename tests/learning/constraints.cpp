@@ -10,6 +10,7 @@
 #include <springnet/error.hpp>
 #include <springnet/motion_derivatives.hpp>
 
+#include "learning_nets.hpp"
 #include "motion_loss.hpp"
 #include "refusal.hpp"
 
@@ -178,6 +179,30 @@ TEST_CASE("derivatives of nets with rigid connections, with masses among the val
     learned.pop_back();
     check_derivatives(net, theta, newton, 0.3, learned, 0.02);
   }
+}
+
+TEST_CASE("derivatives of contact and rigid connections in a net whose laws have internal states") {
+  for (const Friction& friction : {smooth, rough})
+    for (const double theta : {1.0, 0.6}) {
+      CAPTURE(static_cast<int>(friction.kind));
+      CAPTURE(theta);
+      Network net = block_at({0, 0, 0.1}, {0.4, 0.2, -0.5}, 6);
+      const MaterialIndex relaxing =
+          net.add_material({LawUse{"maxwell", {{"stiffness", 80.0}, {"relaxation_time", 0.1}}}, std::nullopt});
+      const std::size_t before = net.springs().size();
+      net.add_spring(0, 7, relaxing);
+      net.add_spring(2, 5, relaxing);
+      const NodeIndex first = net.add_node(point({0.5, 0, 0.5}, 0.7));
+      const NodeIndex second = net.add_node(point({0.5, 0.3, 0.6}, 1.2));
+      net.add_rigid(first, second);
+      net.add_spring(1, first, relaxing);
+      net.add_plane(floor_with(friction, {0.2, -0.1, 1.0}));
+      check_derivatives(net, theta, newton, 0.3,
+                        {{Kind::spring_parameter, false, "relaxation_time", from_to(before, net.springs().size())},
+                         {Kind::spring_parameter, false, "stiffness", from_to(0, net.springs().size())},
+                         {Kind::mass, false, "", from_to(0, net.nodes().size())},
+                         {Kind::initial_velocity, false, "", from_to(0, 8)}});
+    }
 }
 
 TEST_CASE("velocities of nodes that are constrained from the start are refused") {

@@ -187,7 +187,4 @@ TEST_CASE("what is not differentiated is refused with what it is") {
   refused(net, method(1.0, newton), {{Kind::mass, false, "", {1, 1}}}, "node 1 is listed twice");
   refused(net, method(1.0, newton), {{Kind::initial_velocity, false, "", {0}}}, "node 0 is fixed");
   refused(net, method(1.0, newton), {{Kind::spring_parameter, false, "stifness", {0}}}, "stiffness");
-  Network cut = net;
-  cut.add_cut({0.05, {3}, {}});
-  refused(cut, method(1.0, newton), {mass}, "a cut or rupture at");
 }

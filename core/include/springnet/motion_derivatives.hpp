@@ -45,8 +45,10 @@ struct LearnedValues {
 [[nodiscard]] SPRINGNET_API std::string_view member_name(LearnedValues::Kind kind, bool of_elements) noexcept;
 
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
-// SimulationOptions::time_step. Nets with rigid connections, laws with internal states, changes at times, events that
-// are located, and motions with contact, ruptures, cuts or divided steps are refused with a message.
+// SimulationOptions::time_step. Derivatives are those of motions in which the same happens in the same steps: springs
+// break, nodes touch, slip and leave surfaces. How the times of such events move with the values is not part of them.
+// Changes at times, events that are located, steps that were divided, nodes that are jammed, contact of nodes with rigid
+// connections, and those that join more than 100 nodes are refused with a message.
 class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
@@ -66,6 +68,10 @@ class SPRINGNET_API MotionDerivatives {
   // Simulates with these values. Throws Error(input) for values that are refused (a mass of 0, …), Error(simulation) if
   // a step fails, or has what cannot be differentiated; there is then no trajectory.
   void run(const Eigen::VectorXd& values);
+
+  // Cuts and ruptures of the last run. A step is differentiated with what it had: derivatives are those of motions in
+  // which the same breaks in the same steps. How the time of a rupture moves with the values is not part of them.
+  [[nodiscard]] std::vector<Event> events() const;
 
   // Bytes that the states of the runs to come may take [1 GiB]. If not all fit, some are kept together with saved
   // states of the simulation, and the others are made again, with the same bits, where they are asked for: by

@@ -4,36 +4,10 @@
 #include <cmath>
 
 #include "layers/elements/invariant.hpp"
+#include "layers/internal_members.hpp"
 #include "layers/internal_queries.hpp"
 
 namespace springnet::layers {
-namespace {
-
-// Calls what(law, index of its first state, distance between its states) for each law with states of an element.
-template <class What>
-void for_each_law(const Layout& layout, std::size_t group, std::uint32_t place, const What& what) {
-  const InternalLayout::OfGroup& own = layout.internal().group(group);
-  for (const Law* const law : layout.laws().groups[group].laws())
-    if (law->state_count > 0) what(*law, own.first + law->first_state * own.count + place, std::uint64_t{own.count});
-}
-
-template <class What>
-void for_each_element(const Layout& layout, const What& what) {
-  for (std::uint32_t e = 0; e < layout.elements().count(); ++e) {
-    const std::uint32_t group = layout.elements().group(e);
-    if (layout.elements().alive(e) && layout.internal().has(group)) what(e, group, layout.internal().of_element(e));
-  }
-}
-template <class What>
-void for_each_spring(const Layout& layout, const What& what) {
-  for (std::size_t g = 0; g < layout.laws().groups.size(); ++g) {
-    if (!layout.internal().has(g)) continue;
-    for (const std::uint32_t s : layout.springs_of(g)) what(s, g, layout.internal().of_spring(s));
-  }
-}
-
-}  // namespace
-
 void InternalElimination::begin(const NodeArrays& nodes, double weight, InternalView& view) {
   const std::size_t n = layout_.node_count(), count = layout_.internal().count();
   weight_ = weight;
@@ -65,11 +39,11 @@ void InternalElimination::differentiate(const double* dp, const double* dv) {
     return result;
   };
   double length = 0.0;
-  for_each_spring(layout_, [&](std::uint32_t s, std::size_t, std::uint32_t) {
+  for_each_spring_with_states(layout_, [&](std::uint32_t s, std::size_t, std::uint32_t) {
     for (std::size_t c = 0; c < 3; ++c)
       length = std::max(length, std::abs(state_[c * n + layout_.first(s)] - state_[c * n + layout_.second(s)]));
   });
-  for_each_element(layout_, [&](std::uint32_t e, std::uint32_t, std::uint32_t) {
+  for_each_element_with_states(layout_, [&](std::uint32_t e, std::size_t, std::uint32_t) {
     for (const std::uint32_t k : layout_.elements().nodes(e))
       for (std::size_t c = 0; c < 3; ++c)
         length = std::max(length, std::abs(state_[c * n + k] - state_[c * n + layout_.elements().nodes(e)[0]]));
@@ -99,7 +73,7 @@ void InternalElimination::change(const double* right_side, const double* dp, con
   differentiate(dp, dv);
   std::copy_n(right_side, count, change);  // of removed elements: their states stay
   const auto solve = [&](std::uint32_t, std::size_t group, std::uint32_t place) {
-    for_each_law(layout_, group, place, [&](const Law& law, std::uint64_t first, std::uint64_t pitch) {
+    for_each_law_with_states(layout_, group, place, [&](const Law& law, std::uint64_t first, std::uint64_t pitch) {
       double b[max_states];
       for (std::size_t j = 0; j < law.state_count; ++j) {
         const std::uint64_t at = first + j * pitch;
@@ -114,8 +88,8 @@ void InternalElimination::change(const double* right_side, const double* dp, con
       }
     });
   };
-  for_each_spring(layout_, solve);
-  for_each_element(layout_, solve);
+  for_each_spring_with_states(layout_, solve);
+  for_each_element_with_states(layout_, solve);
 }
 
 void InternalElimination::add_forces(const double* change, double* force) const {
@@ -133,9 +107,9 @@ void InternalElimination::add_forces(const double* change, double* force) const 
   const auto vector = [&](std::size_t component, std::uint32_t k) {
     return Vector3(state_[component * n + k], state_[(component + 1) * n + k], state_[(component + 2) * n + k]);
   };
-  for_each_spring(layout_, [&](std::uint32_t s, std::size_t group, std::uint32_t place) {
+  for_each_spring_with_states(layout_, [&](std::uint32_t s, std::size_t group, std::uint32_t place) {
     const std::uint32_t a = layout_.first(s), b = layout_.second(s);
-    for_each_law(layout_, group, place, [&](const Law& law, std::uint64_t first, std::uint64_t pitch) {
+    for_each_law_with_states(layout_, group, place, [&](const Law& law, std::uint64_t first, std::uint64_t pitch) {
       const std::size_t component = law.relative ? 3 : 0;
       const Vector3 along = vector(component, a) - vector(component, b);
       const double length = along.norm();
@@ -145,10 +119,11 @@ void InternalElimination::add_forces(const double* change, double* force) const 
       add(b, push);
     });
   });
-  for_each_element(layout_, [&](std::uint32_t e, std::uint32_t group, std::uint32_t place) {
+  for_each_element_with_states(layout_, [&](std::uint32_t e, std::size_t group, std::uint32_t place) {
     double sum = 0.0;
-    for_each_law(layout_, group, place,
-                 [&](const Law& law, std::uint64_t first, std::uint64_t pitch) { sum += tension(law, first, pitch); });
+    for_each_law_with_states(layout_, group, place, [&](const Law& law, std::uint64_t first, std::uint64_t pitch) {
+      sum += tension(law, first, pitch);
+    });
     const ElementLayout& elements = layout_.elements();
     const std::span<const std::uint32_t> own = elements.nodes(e);
     if (elements.invariant(e) == Invariant::enclosed_volume) {

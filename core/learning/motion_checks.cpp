@@ -1,0 +1,37 @@
+#include "learning/motion_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet::learning {
+
+double option(const LawUse& integrator, const char* name, double otherwise) {
+  const auto given = integrator.parameters.find(name);
+  return given == integrator.parameters.end() ? otherwise : given->second;
+}
+
+void check_method(const Network& network, const LawUse& integrator) {
+  const auto refuse = [](const std::string& what) { throw Error(ErrorKind::input, "learning: " + what); };
+  if (integrator.id != "recurrent")
+    refuse(fmt::format("the integrator is '{}'; only steps of 'recurrent' are differentiated", integrator.id));
+  if (option(integrator, "sweeps", 0.0) != 0.0)
+    refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
+  if (option(integrator, "events", 0.0) != 0.0)
+    refuse("steps that are divided where events are located are not differentiated; set events = \"stepwise\"");
+  if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
+}
+
+bool have_no_jumps(const Network& network) {
+  const auto stays = [](const Load& load) {
+    return load.faces.empty() && load.course.times.empty() && load.course.frequency == 0.0 && load.course.ramp == 0.0 &&
+           std::isinf(load.from) && std::isinf(load.until);
+  };
+  return network.inputs().empty() && std::all_of(network.loads().begin(), network.loads().end(), stays);
+}
+
+}  // namespace springnet::learning
