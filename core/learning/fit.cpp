@@ -9,6 +9,10 @@
 
 #include <springnet/error.hpp>
 
+#include "learning/experiment_threads.hpp"
+#include "learning/in_threads.hpp"
+#include "learning/same_object.hpp"
+
 namespace springnet::learning {
 
 namespace {
@@ -36,28 +40,46 @@ std::vector<double> times_of(const MotionDerivatives& motion) {
 
 }  // namespace
 
+template <class Work>
+void Fit::for_each_run(const Work& work) const {
+  in_threads(runs_.size(), at_a_time_, work);
+}
+
 Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
-         const std::vector<Learnable>& learnables, double guess_weight, std::size_t memory)
+         const std::vector<Learnable>& learnables, double guess_weight, unsigned threads, std::size_t memory)
     : root_guess_weight_(std::sqrt(guess_weight)) {
   if (experiments.empty()) throw Error(ErrorKind::input, "learning: there is no experiment");
   if (!(guess_weight >= 0.0) || !std::isfinite(guess_weight))
     throw Error(ErrorKind::input,
                 fmt::format("learning: the weight of the guess is {}, must be 0 or more", guess_weight));
+  check_same_object(experiments);
+  at_a_time_ = experiments_at_a_time(experiments, *plugins, threads);
+  std::vector<double> durations;
   for (const Experiment& each : experiments) {
-    if (!each.network) throw Error(ErrorKind::input, "learning: an experiment has no network");
-    const double duration = duration_of(each);
-    check_observations(each.observations, each.network->nodes().size(), 0.0, duration);
-    auto motion =
-        std::make_unique<MotionDerivatives>(each.network, plugins, each.options, duration, values_of(learnables));
-    motion->set_memory(memory / experiments.size());
-    const VectorXd start = motion->values_of_network();
-    if (!variables_) variables_ = std::make_unique<Variables>(*each.network, *plugins, learnables, start);
-    motion->run(variables_->values(variables_->start()));
-    ObservedMotion observed(each.observations, times_of(*motion));
+    durations.push_back(duration_of(each));
+    check_observations(each.observations, each.network->nodes().size(), 0.0, durations.back());
+  }
+  std::vector<std::unique_ptr<MotionDerivatives>> motions(experiments.size());
+  const auto make = [&](std::size_t k) {
+    const Experiment& each = experiments[k];
+    motions[k] = std::make_unique<MotionDerivatives>(
+        each.network, plugins, with_share_of_threads(each, threads, at_a_time_), durations[k], values_of(learnables));
+    motions[k]->set_memory(memory / experiments.size());
+  };
+  make(0);
+  variables_ =
+      std::make_unique<Variables>(*experiments[0].network, *plugins, learnables, motions[0]->values_of_network());
+  const VectorXd values = variables_->values(variables_->start());
+  in_threads(experiments.size(), at_a_time_, [&](std::size_t k) {
+    if (k > 0) make(k);
+    motions[k]->run(values);
+  });
+  for (std::size_t k = 0; k < experiments.size(); ++k) {
+    ObservedMotion observed(experiments[k].observations, times_of(*motions[k]));
     const Eigen::Index first = rows_;
     rows_ += observed.count();
-    observed_ += each.observations.value_count();
-    runs_.push_back({std::move(motion), std::move(observed), first});
+    observed_ += experiments[k].observations.value_count();
+    runs_.push_back({std::move(motions[k]), std::move(observed), first});
   }
 }
 
@@ -66,7 +88,7 @@ bool Fit::run(const VectorXd& x) {
   at_.resize(0);
   try {
     const VectorXd values = variables_->values(x);
-    for (Run& each : runs_) each.motion->run(values);
+    for_each_run([&](std::size_t k) { runs_[k].motion->run(values); });
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::plugin) throw;
     failure_ = error.what();
@@ -80,7 +102,10 @@ VectorXd Fit::residuals(const VectorXd& x) {
   const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? x.size() : 0;
   VectorXd result = VectorXd::Constant(rows_ + guess_rows, std::numeric_limits<double>::quiet_NaN());
   if (!run(x)) return result;
-  for (Run& each : runs_) each.observed.residuals(*each.motion, result.segment(each.first, each.observed.count()));
+  for_each_run([&](std::size_t k) {
+    Run& each = runs_[k];
+    each.observed.residuals(*each.motion, result.segment(each.first, each.observed.count()));
+  });
   if (guess_rows > 0)
     result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(variables_->scale());
   return result;
@@ -110,23 +135,27 @@ MatrixXd Fit::times(const MatrixXd& changes) {
   const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? changes.rows() : 0;
   MatrixXd result = MatrixXd::Zero(rows_ + guess_rows, changes.cols());
   const MatrixXd values = variables_->times(at_, changes);
-  for (const Run& each : runs_)
+  for_each_run([&](std::size_t k) {
+    const Run& each = runs_[k];
     each.motion->tangent(values, [&](std::size_t state, const MatrixXd& positions, const MatrixXd& velocities) {
       each.observed.add_tangent(state, positions, velocities, result.middleRows(each.first, each.observed.count()));
     });
+  });
   if (guess_rows > 0)
     result.bottomRows(guess_rows) = root_guess_weight_ * variables_->scale().cwiseInverse().asDiagonal() * changes;
   return result;
 }
 
 VectorXd Fit::transposed_times(const VectorXd& weights) {
-  VectorXd gradient;
-  for (const Run& each : runs_) {
-    const VectorXd own = each.motion->adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
+  std::vector<VectorXd> gradients(runs_.size());
+  for_each_run([&](std::size_t k) {
+    const Run& each = runs_[k];
+    gradients[k] = each.motion->adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
       each.observed.add_adjoint(state, weights.segment(each.first, each.observed.count()), add);
     });
-    gradient = gradient.size() == 0 ? own : VectorXd(gradient + own);
-  }
+  });
+  VectorXd gradient = gradients.front();  // summed in the order of the experiments, whichever was done first
+  for (std::size_t k = 1; k < gradients.size(); ++k) gradient += gradients[k];
   VectorXd result = variables_->transposed_times(at_, gradient);
   if (weights.size() > rows_)
     result += root_guess_weight_ * weights.tail(weights.size() - rows_).cwiseQuotient(variables_->scale());

@@ -17,10 +17,10 @@ namespace springnet::learning {
 
 class Fit {
  public:
-  // Throws Error(input) for observations and learnables that do not fit the networks.
-  // memory: bytes, of the states of all motions.
+  // threads: in all; memory: bytes, of the states of all motions; see LearnOptions. Throws Error(input) for
+  // observations and learnables that do not fit the networks, and for experiments on other objects.
   Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
-      const std::vector<Learnable>& learnables, double guess_weight, std::size_t memory);
+      const std::vector<Learnable>& learnables, double guess_weight, unsigned threads, std::size_t memory);
 
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
@@ -44,10 +44,14 @@ class Fit {
     Eigen::Index first;  // of its residuals
   };
   [[nodiscard]] bool run(const Eigen::VectorXd& x);
+  // Calls work(k) for each experiment, in threads.
+  template <class Work>
+  void for_each_run(const Work& work) const;
 
   std::vector<Run> runs_;
   std::unique_ptr<Variables> variables_;
   double root_guess_weight_;
+  unsigned at_a_time_;  // experiments
   std::size_t observed_ = 0;
   Eigen::Index rows_ = 0;
   Eigen::VectorXd at_;  // of the motions; empty: one has failed

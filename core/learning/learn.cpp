@@ -13,6 +13,9 @@
 #include "learning/learned_values.hpp"
 #include "learning/minimise.hpp"
 #include "learning/result.hpp"
+#include "learning/search.hpp"
+#include "learning/search_journal.hpp"
+#include "learning/several_starts.hpp"
 
 namespace springnet {
 
@@ -23,19 +26,6 @@ using Eigen::VectorXd;
 
 // Up to so many variables sensitivities are known as a whole, for intervals and what is not determined.
 constexpr Eigen::Index most_with_intervals = 2000;
-
-class Problem final : public learning::LeastSquares {
- public:
-  explicit Problem(learning::Fit& fit) : fit_(fit) {}
-  VectorXd residuals(const VectorXd& x) override { return fit_.residuals(x); }
-  void linearise(const VectorXd& x) override { fit_.linearise(x); }
-  VectorXd times(const VectorXd& change) override { return fit_.times(change); }
-  MatrixXd jacobian(Eigen::Index variables) override { return fit_.times(MatrixXd::Identity(variables, variables)); }
-  VectorXd transposed_times(const VectorXd& weights) override { return fit_.transposed_times(weights); }
-
- private:
-  learning::Fit& fit_;
-};
 
 // What was observed in this share of the time; empty: of an experiment nothing.
 std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, double share) {
@@ -51,36 +41,6 @@ std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, d
   return result;
 }
 
-// The stages of a search, told to the program as one.
-struct Search {
-  const LearnOptions& options;
-  const learning::Variables& variables;
-  std::vector<LearnProgress>& history;
-  bool stopped = false;
-
-  learning::Minimum run(learning::Fit& fit, const VectorXd& start, double share) {
-    constexpr int most_of_a_stage = 30;
-    constexpr double tolerance_of_a_stage = 1e-2;  // of the cost: the next stage goes on from there
-    const bool is_last = share == 1.0;
-    learning::MinimiseOptions own;
-    own.max_iterations = is_last ? options.max_iterations : std::min(most_of_a_stage, options.max_iterations);
-    own.cost_tolerance = is_last ? options.tolerance : tolerance_of_a_stage;
-    own.step_tolerance = own.gradient_tolerance = options.tolerance;
-    const double values = static_cast<double>(std::max<std::size_t>(1, fit.observed()));
-    const int before = history.empty() ? 0 : history.back().iteration;
-    own.on_iteration = [&, before](const learning::Progress& now, const VectorXd& best) {
-      history.push_back({before + now.iteration, share, now.cost, std::sqrt(2.0 * now.cost / values), {}});
-      if (!options.on_iteration || stopped) return !stopped;
-      LearnProgress told = history.back();
-      told.values = variables.values(best);
-      stopped = !options.on_iteration(told);
-      return !stopped;
-    };
-    Problem problem(fit);
-    return learning::levenberg_marquardt(problem, start, {variables.lower(), variables.upper()}, own);
-  }
-};
-
 std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) {
   for (Experiment& each : experiments) each.options.time_step *= 0.5;
   return experiments;
@@ -90,9 +50,9 @@ std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) 
 VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
                             const learning::Certainty& certainty, const VectorXd& scale, const VectorXd& x,
-                            const VectorXd& residuals, std::size_t memory, std::vector<std::string>& notes) {
+                            const VectorXd& residuals, const LearnOptions& options, std::vector<std::string>& notes) {
   try {
-    learning::Fit half(with_half_the_step(experiments), plugins, learnables, 0.0, memory);
+    learning::Fit half(with_half_the_step(experiments), plugins, learnables, 0.0, options.threads, options.memory);
     const VectorXd other = half.residuals(x);
     if (other.allFinite()) return certainty.change_for(other - residuals).cwiseProduct(scale);
     notes.push_back("How far half the time step would move the values is not known: " + half.why_failed());
@@ -108,39 +68,49 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
 LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
                  const std::vector<Learnable>& learnables, const LearnOptions& options) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
-  learning::Fit fit(experiments, plugins, learnables, options.guess_weight, options.memory);
+  learning::check_starts(options);
+  learning::Fit fit(experiments, plugins, learnables, options.guess_weight, options.threads, options.memory);
   const learning::Variables& variables = fit.variables();
   LearnedNet result;
-  Search search{options, variables, result.history};
+  learning::SearchJournal journal(learning::identity_of(experiments, *plugins, learnables, options), options.state);
+  learning::Search search{options, variables, journal, result.history};
   result.start_cost = 0.5 * fit.residuals(variables.start()).squaredNorm();
   if (!std::isfinite(result.start_cost))
     throw Error(ErrorKind::input,
                 "learning: the squares of the differences at the start are not finite: " +
                     (fit.why_failed().empty() ? "a value that was observed is too large" : fit.why_failed()));
-  VectorXd start = variables.start();
-  // What a stage has found may be worse than the start for what it has not seen.
-  const auto better = [&](learning::Fit& of) {
-    const double found = of.residuals(start).squaredNorm(), first = of.residuals(variables.start()).squaredNorm();
-    return found <= first ? start : variables.start();
+  search.stages = std::max(1, options.stages);
+  const auto search_from = [&](const VectorXd& first) {
+    VectorXd start = first;
+    // What a stage has found may be worse than the start for what it has not seen.
+    const auto better = [&](learning::Fit& of) {
+      return of.residuals(start).squaredNorm() <= of.residuals(first).squaredNorm() ? start : first;
+    };
+    for (int stage = options.stages - 1; stage > 0 && !search.stopped; --stage) {
+      const double share = std::ldexp(1.0, -stage);
+      const std::vector<Experiment> part = first_part(experiments, share);
+      if (part.empty()) continue;
+      learning::Fit fit_of_part(part, plugins, learnables, options.guess_weight, options.threads, options.memory);
+      search.stage = search.stages - 1 - stage;
+      start = search.run(fit_of_part, better(fit_of_part), share, false).x;
+    }
+    learning::Minimum found;
+    found.x = better(fit);
+    found.reason = "It was stopped; the values are the best until then.";
+    found.cost = 0.5 * fit.residuals(found.x).squaredNorm();
+    search.stage = search.stages - 1;
+    return search.stopped ? found : search.run(fit, found.x, 1.0, true);
   };
-  for (int stage = options.stages - 1; stage > 0 && !search.stopped; --stage) {
-    const double share = std::ldexp(1.0, -stage);
-    const std::vector<Experiment> first = first_part(experiments, share);
-    if (first.empty()) continue;
-    learning::Fit part(first, plugins, learnables, options.guess_weight, options.memory);
-    start = search.run(part, better(part), share).x;
-  }
-  learning::Minimum minimum;
-  minimum.x = better(fit);
-  minimum.reason = "It was stopped; the values are the best until then.";
-  minimum.cost = 0.5 * fit.residuals(minimum.x).squaredNorm();
-  if (!search.stopped) minimum = search.run(fit, minimum.x, 1.0);
+  learning::Minimum minimum = search_from(variables.start());
+  if (options.starts > 1) minimum = learning::best_of_starts(fit, search, std::move(minimum), search_from, result);
 
   result.parameters = learning::list_parameters(learnables);
   result.values = variables.values(minimum.x);
   result.observed = fit.observed();
   result.variables = static_cast<std::size_t>(variables.count());
   result.reason = minimum.reason;
+  result.stopped = search.stopped;
+  learning::describe_starts(result);
   result.cost = minimum.cost;
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
@@ -164,7 +134,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   result.singular_values = certainty.singular_values();
   result.undetermined = certainty.undetermined();
   const VectorXd shift = shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals,
-                                            options.memory, result.notes);
+                                            options, result.notes);
   learning::describe(result, variables, minimum.x, &certainty, shift);
   return result;
 }

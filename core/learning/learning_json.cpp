@@ -30,12 +30,23 @@ std::string to_json(const LearnedNet& learned) {
     entry["determined"] = number(each.determined);
     entry["at_bound"] = each.at_bound;
     entry["by_half_time_step"] = number(each.by_time_step);
+    if (!learned.starts.empty()) {
+      entry["starts_lower"] = number(each.starts_lower);
+      entry["starts_upper"] = number(each.starts_upper);
+    }
     parameters.push_back(std::move(entry));
   }
   Json history = Json::array();
   for (const LearnProgress& each : learned.history)
     history.push_back(
         {{"iteration", each.iteration}, {"share_of_time", each.share}, {"cost", each.cost}, {"rms", each.rms}});
+  Json starts = Json::array();
+  for (const LearnedStart& each : learned.starts)
+    starts.push_back({{"start_cost", number(each.start_cost)},
+                      {"cost", number(each.cost)},
+                      {"iterations", each.iterations},
+                      {"as_good", each.is_as_good},
+                      {"reason", each.reason}});
   const Json json{
       {"springnet", version()},
       {"observed_values", learned.observed},
@@ -47,6 +58,7 @@ std::string to_json(const LearnedNet& learned) {
       {"undetermined_directions", learned.undetermined},
       {"singular_values", learned.singular_values},
       {"parameters", parameters},
+      {"starts", starts},
       {"history", history},
       {"notes", learned.notes},
   };

@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
+#include <vector>
 
-#include <fmt/format.h>
 #include <Eigen/QR>
 
-#include <springnet/error.hpp>
-
+#include "learning/course.hpp"
 #include "learning/minimise.hpp"
 
 namespace springnet::learning {
@@ -16,49 +15,46 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Stop = Minimum::Stop;
 
 constexpr double first_damping = 1e-3, most_damping = 1e20;
-constexpr double least_gain = 1e-4;         // of the decrease that the linear model predicts
-constexpr double rounding_of_cost = 1e-15;  // relative
-constexpr int most_inner = 500;             // conjugate gradients
+constexpr double least_gain = 1e-4;  // of the decrease that the linear model predicts
+constexpr int most_inner = 500;      // conjugate gradients
 constexpr double loosest_inner = 0.1, tightest_inner = 1e-8;
 
-void check(const VectorXd& start, const Bounds& bounds) {
-  if (bounds.lower.size() != start.size() || bounds.upper.size() != start.size())
-    throw Error(ErrorKind::input, fmt::format("a search of {} variables has {} lower and {} upper bounds", start.size(),
-                                              bounds.lower.size(), bounds.upper.size()));
-  for (Index k = 0; k < start.size(); ++k)
-    if (!(bounds.lower[k] <= start[k] && start[k] <= bounds.upper[k]) || !std::isfinite(start[k]))
-      throw Error(ErrorKind::input, fmt::format("variable {} starts at {}, which is not within {} and {}", k, start[k],
-                                                bounds.lower[k], bounds.upper[k]));
-}
+struct State : SearchState {
+  double damping = first_damping, growth = 2.0;
+  VectorXd scale;  // see LinearModel
+  void archive(Archive& archive) {
+    SearchState::archive(archive);
+    archive.number(damping);
+    archive.number(growth);
+    archive_numbers(archive, scale, "scales of a search");
+  }
+};
 
 // A step of the linear model at the present point: least |J s + r|^2 + damping |D s|^2 over the variables that may
 // move.
 class LinearModel {
  public:
-  LinearModel(LeastSquares& problem, bool dense, Index variables)
-      : problem_(problem), dense_(dense), scale_(VectorXd::Zero(variables)) {}
+  // scale: as Moré has it, the greatest sensitivity to each variable so far, so that the search does not depend on
+  // units; where Jacobians are not known, the one that the units let expect.
+  LinearModel(LeastSquares& problem, bool dense, VectorXd& scale, const Scaled& scaled)
+      : problem_(problem), dense_(dense), scale_(scale), scaled_(scaled) {}
 
   void set(const VectorXd& x, const VectorXd& residuals, const Bounds& bounds) {
     problem_.linearise(x);
     residuals_ = residuals;
     if (dense_) jacobian_ = problem_.jacobian(x.size());
     gradient_ = dense_ ? VectorXd(jacobian_.transpose() * residuals) : problem_.transposed_times(residuals);
-    // As Moré has it: the greatest sensitivity so far, so that the search does not depend on units.
-    for (Index k = 0; k < x.size(); ++k) {
-      const double own = dense_ ? jacobian_.col(k).norm() : 1.0;
-      scale_[k] = std::max(scale_[k], own);
-    }
+    if (dense_)
+      for (Index k = 0; k < x.size(); ++k) scale_[k] = std::max(scale_[k], jacobian_.col(k).norm());
+    else if (scale_.isZero(0.0))
+      scale_ = scaled_.sensitivity(problem_, gradient_) * scaled_.unit().cwiseInverse();
     free_.clear();
-    for (Index k = 0; k < x.size(); ++k) {
-      const bool stays = bounds.lower[k] == bounds.upper[k] || (x[k] <= bounds.lower[k] && gradient_[k] > 0.0) ||
-                         (x[k] >= bounds.upper[k] && gradient_[k] < 0.0);
-      if (!stays) free_.push_back(k);
-    }
+    for (Index k = 0; k < x.size(); ++k)
+      if (!is_held(x, gradient_, bounds, k)) free_.push_back(k);
     if (!dense_) return;
-    MatrixXd own(jacobian_.rows() + 0, static_cast<Index>(free_.size()));
+    MatrixXd own(jacobian_.rows(), static_cast<Index>(free_.size()));
     for (std::size_t j = 0; j < free_.size(); ++j) own.col(static_cast<Index>(j)) = jacobian_.col(free_[j]);
     // J = Q R once; each damping then has the small system of R.
     const Eigen::HouseholderQR<MatrixXd> qr(own);
@@ -105,17 +101,18 @@ class LinearModel {
     right.head(rank) = -projected_;
     return whole.householderQr().solve(right);
   }
-  // Conjugate gradients of the normal equations.
+  // Conjugate gradients of the normal equations, by the variables in their units.
   [[nodiscard]] VectorXd iterated_step(double damping) {
     const auto count = static_cast<Index>(free_.size());
+    const auto free = [&](Index j) { return free_[static_cast<std::size_t>(j)]; };
     const auto spread = [&](const VectorXd& of) {
       VectorXd all = VectorXd::Zero(scale_.size());
-      for (Index j = 0; j < count; ++j) all[free_[static_cast<std::size_t>(j)]] = of[j];
+      for (Index j = 0; j < count; ++j) all[free(j)] = of[j] / scale_[free(j)];
       return all;
     };
     const auto gather = [&](const VectorXd& of) {
       VectorXd own(count);
-      for (Index j = 0; j < count; ++j) own[j] = of[free_[static_cast<std::size_t>(j)]];
+      for (Index j = 0; j < count; ++j) own[j] = of[free(j)] / scale_[free(j)];
       return own;
     };
     VectorXd step = VectorXd::Zero(count), left = -gather(gradient_), direction = left;
@@ -131,12 +128,15 @@ class LinearModel {
       direction = left + next / square * direction;
       square = next;
     }
+    for (Index j = 0; j < count; ++j) step[j] /= scale_[free(j)];
     return step;
   }
 
   LeastSquares& problem_;
   bool dense_;
-  VectorXd scale_, residuals_, gradient_, projected_;
+  VectorXd& scale_;
+  const Scaled& scaled_;
+  VectorXd residuals_, gradient_, projected_;
   MatrixXd jacobian_, triangle_;
   std::vector<Index> free_;
 };
@@ -145,69 +145,51 @@ class LinearModel {
 
 Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const Bounds& bounds,
                             const MinimiseOptions& options) {
-  check(start, bounds);
-  Minimum result;
-  result.x = start;
-  VectorXd residuals = problem.residuals(start);
-  result.cost = 0.5 * residuals.squaredNorm();
-  if (!std::isfinite(result.cost))
-    throw Error(ErrorKind::input, "the search starts where residuals are not finite; start from other values");
-  const auto end = [&](Stop stop, std::string reason) {
-    result.stop = stop;
-    result.reason = std::move(reason);
-    return result;
-  };
+  check_start(start, bounds, options);
+  State state;
+  state.x = start;
+  state.scale = VectorXd::Zero(start.size());
+  take_up(state, options);
+  VectorXd residuals = problem.residuals(state.x);
+  double cost = cost_at_start(residuals);
   const bool dense = start.size() <= options.most_dense &&
                      static_cast<double>(start.size()) * static_cast<double>(residuals.size()) <= options.most_numbers;
-  LinearModel model(problem, dense, start.size());
-  model.set(result.x, residuals, bounds);
-  double damping = first_damping, growth = 2.0;
-  for (int iteration = 0;; ++iteration) {
-    const Progress now{iteration, result.cost, model.gradient()};
-    result.history.push_back(now);
-    if (options.on_iteration && !options.on_iteration(now, result.x))
-      return end(Stop::asked, "It was stopped; the values are the best until then.");
-    if (!(now.gradient > options.gradient_tolerance))
-      return end(Stop::gradient, fmt::format("The gradient is {:.1e} of what it could be, at most {:.1e}.",
-                                             now.gradient, options.gradient_tolerance));
-    if (iteration == options.max_iterations)
-      return end(Stop::iterations, fmt::format("All {} iterations were made; more may find better values.", iteration));
+  const Scaled scaled(bounds, options);
+  LinearModel model(problem, dense, state.scale, scaled);
+  model.set(state.x, residuals, bounds);
+  const Course course(options);
+  while (true) {
+    keep(state, options);
+    if (const auto ended = course.ends(state, cost, model.gradient())) return *ended;
     while (true) {
-      VectorXd x = (result.x + model.step(damping)).cwiseMax(bounds.lower).cwiseMin(bounds.upper);
-      const VectorXd step = x - result.x;
+      VectorXd x = (state.x + model.step(state.damping)).cwiseMax(bounds.lower).cwiseMin(bounds.upper);
+      const VectorXd step = x - state.x;
       const double predicted = model.predicted_decrease(step);
-      if (model.size_of(step) <= options.step_tolerance * model.size_of(result.x))
-        return end(Stop::step, fmt::format("Steps are shorter than {:.1e} of the values.", options.step_tolerance));
+      if (model.size_of(step) <= options.step_tolerance * model.size_of(state.x))
+        return course.end_by_step(state, cost);
       const auto shorten = [&] {
-        damping *= growth;
-        growth *= 2.0;
-        return damping < most_damping;
+        state.damping *= state.growth;
+        state.growth *= 2.0;
+        return state.damping < most_damping;
       };
-      constexpr const char* stuck = "No step lowers the cost, however short; the motion may fail at the values nearby.";
       // Cut by bounds, a step may lead upwards; a shorter one does not.
       if (predicted < 0.0) {
         if (shorten()) continue;
-        return end(Stop::stuck, stuck);
+        return course.end_stuck(state, cost);
       }
       VectorXd next = problem.residuals(x);
-      const double cost = 0.5 * next.squaredNorm(), gain = (result.cost - cost) / predicted;
-      if (std::isfinite(cost) && predicted > 0.0 && gain > least_gain) {
-        const double decrease = (result.cost - cost) / result.cost;
-        result.x = std::move(x);
+      const double next_cost = 0.5 * next.squaredNorm(), gain = (cost - next_cost) / predicted;
+      if (std::isfinite(next_cost) && predicted > 0.0 && gain > least_gain) {
+        course.go_on(state, std::move(x), cost, next_cost);
         residuals = std::move(next);
-        result.cost = cost;
-        damping *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3.0));
-        growth = 2.0;
-        model.set(result.x, residuals, bounds);
-        if (decrease <= options.cost_tolerance) {
-          result.history.push_back({iteration + 1, cost, model.gradient()});
-          return end(Stop::cost, fmt::format("The cost falls by less than {:.1e} of itself.", options.cost_tolerance));
-        }
+        cost = next_cost;
+        state.damping *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3.0));
+        state.growth = 2.0;
+        model.set(state.x, residuals, bounds);
         break;
       }
-      if (predicted <= rounding_of_cost * result.cost)
-        return end(Stop::cost, "The cost cannot fall by more than its rounding.");
-      if (!shorten()) return end(Stop::stuck, stuck);
+      if (predicted <= rounding_of_cost * cost) return course.end_by_rounding(state, cost);
+      if (!shorten()) return course.end_stuck(state, cost);
     }
   }
 }

@@ -1,4 +1,4 @@
-// Search for the least sum of squares within bounds.
+// Searches for the least sum of squares within bounds.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,8 @@ struct Bounds {
 struct Progress {
   int iteration = 0;  // 0: the start
   double cost = 0.0;
-  // Greatest cosine between the residuals and what a variable that may move changes of them; 0 at a minimum.
+  // Greatest cosine between the residuals and what a variable that may move changes of them; 0 at a minimum. Where the
+  // Jacobian is not known, all variables count as sensitive, in their units, as they were down the first gradient.
   double gradient = 0.0;
 };
 
@@ -42,8 +43,14 @@ struct MinimiseOptions {
   // Jacobians of up to so many variables are known as a whole; else steps are found with products alone.
   Eigen::Index most_dense = 2000;
   double most_numbers = 2.5e7;  // of such a Jacobian; five times as many are kept at a time
+  // Changes of the variables that count as the same, for methods that know no Jacobian; none: 1.
+  Eigen::VectorXd unit{};
   // After the start and each iteration, with the best so far; false ends the search.
   std::function<bool(const Progress&, const Eigen::VectorXd& best)> on_iteration{};
+  // Before these, bytes with which a search of the same method, problem and options goes on there, with the same bits;
+  // iterations before are not told again. For the same machine and version.
+  std::function<void(const std::string& state)> on_state{};
+  std::string state{};  // to go on from; empty: the start
 };
 
 struct Minimum {
@@ -55,10 +62,22 @@ struct Minimum {
   std::vector<Progress> history;  // from the start on
 };
 
+// All throw Error(input) for bounds that do not fit the start, if the residuals there are not finite, and for a state
+// that is damaged; and what `problem` throws.
+
 // Levenberg's and Marquardt's method, the damping by Nielsen (1999); steps that leave the bounds end at them, and
-// variables that are pressed against them stay. Throws Error(input) for bounds that do not fit the start, and if the
-// residuals there are not finite; what `problem` throws.
+// variables that are pressed against them stay.
 [[nodiscard]] Minimum levenberg_marquardt(LeastSquares& problem, const Eigen::VectorXd& start, const Bounds& bounds,
                                           const MinimiseOptions& options = {});
+// L-BFGS-B (Byrd, Lu, Nocedal, Zhu, SIAM J. Sci. Comput. 16, 1995), with the projected subspace step of Morales and
+// Nocedal (ACM TOMS 38, 2011). Needs gradients alone, but for one product with the Jacobian at the start, which gives
+// the first step its length.
+[[nodiscard]] Minimum lbfgs(LeastSquares& problem, const Eigen::VectorXd& start, const Bounds& bounds,
+                            const MinimiseOptions& options = {});
+// Gradient descent with momentum (the paper's section 3.5). No step raises the cost: where one would, the momentum is
+// dropped and the rate is halved, so that the search cannot blow up whatever the rate; it grows with each step that is
+// made. The first rate is the best one for a linear problem.
+[[nodiscard]] Minimum gradient_descent(LeastSquares& problem, const Eigen::VectorXd& start, const Bounds& bounds,
+                                       const MinimiseOptions& options = {});
 
 }  // namespace springnet::learning

@@ -30,6 +30,18 @@ std::string_view member_name(Kind kind, bool of_elements) noexcept {
   return of_elements ? "element" : "spring";
 }
 
+std::string_view name_of(Optimiser optimiser) noexcept {
+  switch (optimiser) {
+    case Optimiser::levenberg_marquardt:
+      return "levenberg";
+    case Optimiser::lbfgs:
+      return "lbfgs";
+    case Optimiser::descent:
+      return "descent";
+  }
+  return "";
+}
+
 std::string name_of(const LearnedParameter& parameter) {
   std::string name(parameter.of_elements ? "element." : "");
   name += name_of(parameter.kind);

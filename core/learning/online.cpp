@@ -100,7 +100,7 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
                         const std::vector<Learnable>& learnables, const OnlineOptions& options,
                         const std::function<bool(const LearnProgress&)>& on_step) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
-  learning::Fit fit({experiment}, plugins, learnables, 0.0, options.memory);  // checks, and judges at the end
+  learning::Fit fit({experiment}, plugins, learnables, 0.0, 0, options.memory);  // checks, and judges at the end
   const learning::Variables& variables = fit.variables();
   OnlineLearner learner(experiment.network, plugins, experiment.options, learnables, options);
   LearnedNet result;

@@ -115,6 +115,7 @@ Variables::Variables(const Network& network, const PluginHost& plugins, const st
         first.push_back(to_variable(own));
         lower.push_back(low);
         upper.push_back(high);
+        is_logarithmic_.push_back(link.is_logarithmic);
         scale.push_back(link.is_logarithmic || own == 0.0 ? 1.0 : std::abs(own));
       }
       link.variable = first.size() - 1;

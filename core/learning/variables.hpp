@@ -25,6 +25,10 @@ class Variables {
   [[nodiscard]] const Eigen::VectorXd& upper() const noexcept { return upper_; }
   // Changes of variables that count as the same: 1 of a logarithm, else the size of the value at the start.
   [[nodiscard]] const Eigen::VectorXd& scale() const noexcept { return scale_; }
+  // Searched by the logarithm of its values.
+  [[nodiscard]] bool is_logarithmic(Eigen::Index variable) const {
+    return is_logarithmic_[static_cast<std::size_t>(variable)];
+  }
   [[nodiscard]] std::size_t variable_of(std::size_t value) const noexcept { return links_[value].variable; }
 
   // Within the bounds of the values, whatever rounding an exponential adds.
@@ -47,7 +51,8 @@ class Variables {
   };
   [[nodiscard]] static double value_of(const Link& link, double x);
 
-  std::vector<Link> links_;  // [value]
+  std::vector<Link> links_;           // [value]
+  std::vector<bool> is_logarithmic_;  // [variable]
   Eigen::VectorXd start_, lower_, upper_, scale_;
 };
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -10,8 +12,10 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "learn_experiments.hpp"
 #include "learn_page.hpp"
 #include "process.hpp"
+#include "progress.hpp"
 #include "text_table.hpp"
 
 namespace springnet::tool {
@@ -34,11 +38,13 @@ Files in the output folder:
   learned.toml      the scene with the values that were learned
   learning.json     each value with its interval, what the data determine, the course of the search
   learning.html     the same as curves, for a browser
+  learning.state    while the search has not reached its end, what --resume goes on from
 Ctrl-C ends the search; the files then have the best values until then.
 
 Examples:
   springnet learn bar.toml --observations seen.csv --parameters spring.stiffness:together,viscosity.damping:together
   springnet learn cube.toml --observations run/trajectory.csv --parameters spring.stiffness,mass@cube -o learned
+  springnet learn hung.toml --observations hung.csv --experiment pushed.toml=pushed.csv --parameters spring.stiffness
 
 Exit status:
   0 done   1 no value was found   2 usage, scene or observations   3 plugin)";
@@ -47,10 +53,16 @@ struct LearnArguments {
   SceneArguments scene;
   OutputArguments output;
   std::vector<std::filesystem::path> observations;
+  std::vector<std::string> experiments;
   std::vector<std::string> parameters;
   std::string method = "trajectory";
   double rate = OnlineOptions{}.rate;
+  std::string optimiser;
   int iterations = 100;
+  int starts = 1;
+  double start_factor = LearnOptions{}.start_factor;
+  std::uint64_t seed = LearnOptions{}.seed;
+  bool resume = false;
   double guess_weight = 0.0;
   double memory = 1024.0;  // MiB
 };
@@ -59,11 +71,34 @@ constexpr const char* learned_file = "learned.toml";
 constexpr const char* learning_file = "learning.json";
 constexpr const char* page_file = "learning.html";
 
-Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files) {
-  Experiment result{std::make_shared<const Network>(scene.network), scene.options, {}};
-  for (const std::filesystem::path& file : files) result.observations.append(read_observations(file));
-  check_observations(result.observations, scene.network.nodes().size(), 0.0, scene.duration);
-  return result;
+constexpr const char* state_file = "learning.state";
+
+constexpr Optimiser optimisers[] = {Optimiser::levenberg_marquardt, Optimiser::lbfgs, Optimiser::descent};
+
+void check(const LearnArguments& arguments) {
+  if (arguments.method != "online") return;
+  const std::pair<const char*, bool> of_trajectories[] = {{"--experiment", !arguments.experiments.empty()},
+                                                          {"--optimiser", !arguments.optimiser.empty()},
+                                                          {"--starts", arguments.starts > 1},
+                                                          {"--resume", arguments.resume}};
+  for (const auto& [name, is_given] : of_trajectories)
+    if (is_given)
+      throw Error(ErrorKind::input,
+                  fmt::format("{} is of --method trajectory; 'online' goes through one motion once", name));
+}
+
+// Throws Error(input) if there is none.
+std::string read_state(const OutputFolder& folder) {
+  const std::filesystem::path file = folder.path() / state_file;
+  if (folder.kind(state_file) != OutputFolder::Kind::file)
+    throw Error(ErrorKind::input, fmt::format("{}: there is none: the search has reached its end, or was stopped "
+                                              "before its first iteration; learn without --resume",
+                                              file.string()));
+  std::ifstream in(file, std::ios::binary);
+  std::string state{std::istreambuf_iterator<char>(in), {}};
+  if (!in) throw Error(ErrorKind::input, fmt::format("{}: cannot be read", file.string()));
+  if (state.empty()) throw Error(ErrorKind::input, fmt::format("{}: is empty; learn without --resume", file.string()));
+  return state;
 }
 
 // One row for each variable.
@@ -106,34 +141,53 @@ std::string report_of(const LearnedNet& learned) {
   return text;
 }
 
+// "iteration  12,  50 % of the time: cost 0.0123, rms 0.045"
+std::string text_of(const LearnProgress& now, int starts) {
+  const std::string start = starts > 1 ? fmt::format("start {} of {}, ", now.start + 1, starts) : "";
+  return fmt::format("{}iteration {:3}, {:5.3g} % of the time: cost {:.6g}, rms {:.4g}", start, now.iteration,
+                     100.0 * now.share, now.cost, now.rms);
+}
+
 int run(const LearnArguments& arguments) {
+  check(arguments);
   outlive_readers();
   const auto host = arguments.scene.plugins.load();
   Scene scene = arguments.scene.load(*host);
   std::vector<Learnable> learnables;
   for (const std::string& each : arguments.parameters)
     learnables.push_back(select_learnable(scene.network, *host, each));
-  const Experiment experiment = experiment_of(scene, arguments.observations);
+  std::vector<Experiment> experiments{experiment_of(scene, arguments.observations)};
+  for (const std::string& each : arguments.experiments)
+    experiments.push_back(experiment_of(each, arguments.scene, *host));
+  Experiment& experiment = experiments.front();
   const OutputFolder::Pointer folder =
-      arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file});
+      arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file});
 
   catch_interrupts();
+  Progress progress(arguments.output.silent());
   LearnOptions options;
+  for (const Optimiser each : optimisers)
+    if (name_of(each) == arguments.optimiser) options.optimiser = each;
+  options.starts = arguments.starts;
+  options.start_factor = arguments.start_factor;
+  options.seed = arguments.seed;
+  options.threads = scene.options.threads;
+  if (arguments.resume) options.state = read_state(*folder);
+  options.on_state = [&](const std::string& state) { write_whole({folder, state_file}, state); };
   options.max_iterations = arguments.iterations;
   options.guess_weight = arguments.guess_weight;
   options.memory = static_cast<std::size_t>(arguments.memory * (1 << 20));
   options.on_iteration = [&](const LearnProgress& now) {
-    if (!arguments.output.silent())
-      fmt::print(stderr, "iteration {:3}, {:5.3g} % of the time: cost {:.6g}, rms {:.4g}\n", now.iteration,
-                 100.0 * now.share, now.cost, now.rms);
-    return !interrupted();
+    return progress.search(now.done, text_of(now, arguments.starts));
   };
   OnlineOptions online;
   online.rate = arguments.rate;
   online.memory = options.memory;
+  if (arguments.method == "online") experiment.options.threads = scene.options.threads;
   LearnedNet learned = arguments.method == "online" ? learn_online(experiment, host, learnables, online,
                                                                    [](const LearnProgress&) { return !interrupted(); })
-                                                    : learn({experiment}, host, learnables, options);
+                                                    : learn(experiments, host, learnables, options);
+  progress.finish();
   std::vector<std::string> notes = arguments.scene.plugins.notes(*host, scene);
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   learned.notes.insert(learned.notes.begin(), notes.begin(), notes.end());
@@ -144,11 +198,13 @@ int run(const LearnArguments& arguments) {
   write_whole({folder, page_file},
               page_of("Learned: " + (scene.title.empty() ? arguments.scene.file.string() : scene.title), learned));
   write_whole({folder, learned_file}, to_scene(scene, *host));
+  if (!learned.stopped) remove_output({folder, state_file});
   if (arguments.output.json) {
     fmt::print("{}", json);
   } else if (!arguments.output.quiet) {
-    print_report(fmt::format("{}\n  written: {}, {}, {} in {}\n", report_of(learned), learned_file, learning_file,
-                             page_file, folder->path().string()));
+    print_report(fmt::format("{}\n  written: {}, {}, {} in {}\n{}", report_of(learned), learned_file, learning_file,
+                             page_file, folder->path().string(),
+                             learned.stopped ? "  with --resume the search goes on where it was stopped\n" : ""));
   }
   std::fflush(stdout);
   return done;
@@ -163,6 +219,12 @@ void add_learn(CLI::App& app, Action& action) {
   command->add_option("--observations", arguments->observations, "Tables of what was observed")
       ->type_name("FILE...")
       ->required();
+  command
+      ->add_option("--experiment", arguments->experiments,
+                   "Another experiment on the same object, with loads and a start of its own, and tables of what was "
+                   "observed of it; may be repeated. Options of the scene count for it, too")
+      ->type_name("SCENE=FILE,...")
+      ->allow_extra_args(false);
   command->add_option("--parameters", arguments->parameters, "What is learned, separated by commas")
       ->type_name("WHAT,...")
       ->delimiter(',')
@@ -174,12 +236,30 @@ void add_learn(CLI::App& app, Action& action) {
           "trajectory: the whole motion, until the differences are least; online: once through the motion, one "
           "gradient step after each time step, as in the paper [trajectory]")
       ->check(CLI::IsMember({"trajectory", "online"}));
+  command
+      ->add_option("--optimiser", arguments->optimiser,
+                   "levenberg: Gauss-Newton steps with damping (Levenberg, Marquardt); lbfgs: quasi-Newton steps from "
+                   "gradients alone, for very many values; descent: the paper's, with momentum [levenberg]")
+      ->check(CLI::IsMember({"levenberg", "lbfgs", "descent"}));
   command->add_option("--rate", arguments->rate, "Of --method online: how far each gradient step goes [0.05]")
       ->type_name("R")
       ->check(number_between(above_zero, 1.0));
   command->add_option("--iterations", arguments->iterations, "The most iterations of the search [100]")
       ->type_name("N")
       ->check(number_between(0, 1e6));
+  command
+      ->add_option("--starts", arguments->starts,
+                   "Searches: the first from the scene's values, others from each value times a factor at random; the "
+                   "best is kept, and how far they differ is told [1]")
+      ->type_name("N")
+      ->check(number_between(1, 1e6));
+  command->add_option("--start-factor", arguments->start_factor, "The greatest factor of those starts [3]")
+      ->type_name("F")
+      ->check(number_between(1.0, finite));
+  command->add_option("--seed", arguments->seed, "Of the factors: others with another number [1]")->type_name("N");
+  command->add_flag("--resume", arguments->resume,
+                    "Go on where a search with the same arguments was stopped or killed, from the output folder: the "
+                    "result has the same bits as if it had not been");
   command
       ->add_option("--guess-weight", arguments->guess_weight,
                    "Weight of the squares of relative changes from the start, to which values go that the data do not "

@@ -75,6 +75,16 @@ void Progress::show(double time, double duration) {
   drawn_ = true;
 }
 
+bool Progress::search(double share, std::string_view text) {
+  if (!silent_ && terminal_) {
+    print(bar(std::clamp(share, 0.0, 1.0)) + fmt::format("  {}\033[K", text));
+    drawn_ = true;
+  } else if (!silent_) {
+    print(fmt::format("{}\n", text));
+  }
+  return !interrupted();
+}
+
 void Progress::finish() {
   if (drawn_) print("\r\033[K");
   drawn_ = running_ = false;

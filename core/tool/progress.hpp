@@ -1,5 +1,5 @@
-// Progress of a run, and of its loading: a bar on a terminal, otherwise a line every few seconds. On stderr, so that
-// stdout has only results.
+// Progress of a run, its loading, and a search: a bar on a terminal, otherwise a line every few seconds. On stderr, so
+// that stdout has only results.
 #pragma once
 
 #include <chrono>
@@ -19,6 +19,8 @@ class Progress {
   void load(std::string_view stage, double share);
   // Shows the progress; times are simulated, s. Returns false once a signal has asked the process to end.
   bool update(double time, double duration);
+  // Shows an iteration of a search; without a terminal each has its line. Returns as update().
+  bool search(double share, std::string_view text);
   void finish();  // removes the bar; the next update() begins a run
 
  private:

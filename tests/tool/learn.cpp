@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -75,10 +76,83 @@ TEST_CASE("learn finds the values of a run, and writes a scene that runs with th
   CHECK(quiet.json() == testing::read_json(folder.path() / "one/learning.json"));
 }
 
+TEST_CASE("learn takes several experiments, optimisers and starts") {
+  const TemporaryFolder folder;
+  const std::string pull = "[[force]]\nselect = { body = \"bar\", nodes = [0] }\nforce = [30, 0, 0]\n";
+  folder.write("real.toml", bar(400, 3));
+  folder.write("pulled.toml", bar(400, 3) + pull);
+  folder.write("guess.toml", bar(250, 1));
+  folder.write("guess_pulled.toml", bar(250, 1) + pull);
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  REQUIRE(testing::springnet(folder, "run pulled.toml -o pulled --quiet").status == 0);
+  const std::string learn =
+      "learn guess.toml --observations seen/trajectory.csv --parameters "
+      "spring.stiffness:together,viscosity.damping:together ";
+  const std::string both = learn + "--experiment guess_pulled.toml=pulled/trajectory.csv ";
+  const Answer one = testing::springnet(folder, learn + "--json -o one");
+  REQUIRE(one.status == 0);
+  for (const char* more : {"--optimiser lbfgs --iterations 200", "--threads 2", "--starts 2 --start-factor 2"}) {
+    CAPTURE(more);
+    const Answer answer = testing::springnet(folder, both + more + " --json -o both");
+    CAPTURE(answer.err);
+    REQUIRE(answer.status == 0);
+    const auto json = answer.json();
+    CHECK(json["observed_values"].get<int>() == 2 * one.json()["observed_values"].get<int>());
+    for (const auto& each : json["parameters"])
+      CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 400.0 : 3.0).epsilon(1e-5));
+    CHECK(json["starts"].size() == (has(more, "starts") ? 2 : 0));
+  }
+  // The loads of the second are not those of the scene that is written.
+  CHECK_FALSE(has(testing::read_text(folder.path() / "both/learned.toml"), "[[force]]"));
+  // With observations of the other experiment nothing fits.
+  const Answer crossed =
+      testing::springnet(folder, learn + "--experiment guess_pulled.toml=seen/trajectory.csv --json -o crossed");
+  REQUIRE(crossed.status == 0);
+  CHECK(crossed.json()["rms"].get<double>() > 1e-3);
+}
+
+TEST_CASE("learn goes on with --resume, to the same files") {
+  const TemporaryFolder folder;
+  folder.write("real.toml", bar(400, 3));
+  folder.write("guess.toml", bar(250, 1));
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  const std::string learn =
+      "learn guess.toml --observations seen/trajectory.csv --parameters "
+      "spring.stiffness,viscosity.damping:together --iterations 6 --starts 4 ";
+  REQUIRE(testing::springnet(folder, learn + "--quiet -o whole").status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "whole/learning.state"));
+  CHECK(has(testing::springnet(folder, learn + "--resume -o whole").err, "the search has reached its end"));
+  // SIGTERM as Ctrl-C, or a kill that leaves no time for anything, after the first iterations.
+  for (const std::string signal : {"TERM", "KILL"}) {
+    CAPTURE(signal);
+    const Answer stopped =
+        testing::shell(folder, "rm -f lines; mkfifo lines; \"$SPRINGNET\" " + learn + "-o " + signal +
+                                   " 2>lines >/dev/null & P=$!\n"
+                                   "{ read -r LINE; read -r LINE; read -r LINE; kill -" +
+                                   signal + " $P; cat >/dev/null; } <lines; wait $P");
+    REQUIRE(std::filesystem::exists(folder.path() / signal / "learning.state"));
+    CHECK(std::filesystem::exists(folder.path() / signal / "learning.json") == (signal == "TERM"));
+    CHECK(stopped.status == (signal == "TERM" ? 0 : 137));
+    CHECK(has(testing::springnet(folder, learn + "--guess-weight 1 --resume -o " + signal).err,
+              "weight of the guess: 0 there, 1 now"));
+    const Answer resumed = testing::springnet(folder, learn + "--resume -o " + signal);
+    CAPTURE(resumed.err);
+    REQUIRE(resumed.status == 0);
+    for (const char* file : {"learning.json", "learned.toml"})
+      CHECK(testing::read_text(folder.path() / signal / file) == testing::read_text(folder.path() / "whole" / file));
+    CHECK_FALSE(std::filesystem::exists(folder.path() / signal / "learning.state"));
+  }
+}
+
 TEST_CASE("learn refuses observations and selections with what is wrong, and where") {
   const TemporaryFolder folder;
   folder.write("bar.toml", bar(250, 1));
   folder.write("seen.csv", "time,node,x,y,z\n0.1,0,0,0,-0.01\n0.2,77,0,0,0\n");
+  folder.write("good.csv", "time,node,x,y,z\n0.1,0,0,0,-0.01\n0.2,1,1,0,-0.1\n");
+  std::string three = bar(250, 1);
+  three.replace(three.find("[2, 2, 4]"), 9, "[2, 2, 3]");
+  three.replace(three.find("2.9"), 3, "1.9");
+  folder.write("short.toml", three);
   folder.write("late.csv", "time,node,x,y,z\n-0.1,0,0,0,-0.01\n");
   folder.write("far.csv", "time,node,x,y,z\n0.1,0,0,0,-0.01\n1000000000,1,0,0,0\n");
   folder.write("odd.csv", "time,node,x,y,z\n0.1,0,0,0,red\n");
@@ -93,7 +167,18 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"far.csv --parameters mass", "far.csv:3"}, Wrong{"odd.csv --parameters mass", "odd.csv:2"},
         Wrong{"none.csv --parameters mass", "none.csv"}, Wrong{"absent.csv --parameters mass", "absent.csv"},
         Wrong{"seen.csv --parameters spring.stifness", "did you mean 'stiffness'"},
-        Wrong{"seen.csv --parameters mass@bat", "did you mean 'bar'"}, Wrong{"seen.csv", "--parameters is required"}}) {
+        Wrong{"seen.csv --parameters mass@bat", "did you mean 'bar'"},
+        Wrong{"good.csv --parameters mass --experiment bar.toml", "--experiment bar.toml: write SCENE=FILE"},
+        Wrong{"good.csv --parameters mass --experiment bar.toml=good.csv,", "write SCENE=FILE"},
+        Wrong{"good.csv --parameters mass --experiment bar.toml=odd.csv", "odd.csv:2"},
+        Wrong{"good.csv --parameters mass --experiment absent.toml=good.csv", "absent.toml"},
+        Wrong{"good.csv --parameters mass --experiment short.toml=good.csv",
+              "experiment 2 is of another object than the first: it has 12 nodes"},
+        Wrong{"good.csv --parameters mass --optimiser newton", "--optimiser"},
+        Wrong{"good.csv --parameters mass --starts 0", "--starts"},
+        Wrong{"good.csv --parameters mass --starts 2 --method online", "--starts is of --method trajectory"},
+        Wrong{"good.csv --parameters mass --resume", "learning.state: there is none"},
+        Wrong{"seen.csv", "--parameters is required"}}) {
     CAPTURE(wrong.arguments);
     const Answer answer = testing::springnet(folder, std::string("learn bar.toml --observations ") + wrong.arguments);
     CAPTURE(answer.err);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -35,7 +36,9 @@ struct Learnable {
 [[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
                                                        std::string_view text);
 
-// A net with loads and start of its own whose motion was observed. All have the same springs, elements and nodes.
+// A net with loads and start of its own whose motion was observed. All have the same springs, elements and nodes; the
+// search begins with the values of the first one, and all move with the same values, start velocities that are learned
+// included.
 struct Experiment {
   std::shared_ptr<const Network> network;
   SimulationOptions options;  // time step and integrator, see MotionDerivatives
@@ -48,9 +51,25 @@ struct LearnProgress {
   double cost = 0.0;         // 1/2 sum of weighted squares of residuals
   double rms = 0.0;          // root mean square of the weighted residuals
   Eigen::VectorXd values{};  // the best so far, as of MotionDerivatives
+  int start = 0;             // see LearnOptions::starts
+  double done = 0.0;         // share of the iterations that there are at most
 };
 
+enum class Optimiser : std::uint8_t {
+  // Gauss-Newton steps with damping: fewest iterations. Jacobians of up to 2000 variables, else products with them.
+  levenberg_marquardt,
+  // Quasi-Newton steps from gradients alone: an iteration takes one motion and one way back, mostly, whatever the
+  // number
+  // of variables.
+  lbfgs,
+  // The paper's gradient descent with momentum. No step raises the cost, but it needs far more iterations.
+  descent
+};
+// "levenberg", "lbfgs", "descent"
+[[nodiscard]] SPRINGNET_API std::string_view name_of(Optimiser optimiser) noexcept;
+
 struct LearnOptions {
+  Optimiser optimiser = Optimiser::levenberg_marquardt;
   int max_iterations = 100;  // of the last stage
   // Values are learned from the first part of the motion at first, of which each stage doubles the length: later motion
   // depends on them so much that a search from far away ends at a wrong minimum. 1: at once from all.
@@ -62,8 +81,22 @@ struct LearnOptions {
   // Bytes that the states of all motions may take, see MotionDerivatives::set_memory(); as many again for the first
   // stages, and for the motions at half the time step.
   std::size_t memory = std::size_t{1} << 30;
+  // Searches, each through all stages; the best is kept. The first starts with the values of the network, the others
+  // with each value times a factor at random, uniform in its logarithm from 1/start_factor to start_factor, within its
+  // bounds; values of 0 stay. Where a motion fails there, the start is moved towards the first one.
+  int starts = 1;
+  double start_factor = 3.0;  // above 1
+  std::uint64_t seed = 1;     // of the factors
+  // Threads in all; 0: as many as the machine has. Experiments run side by side, simulations whose own number of
+  // threads is open (0) share what is left. The results are the same, bit for bit.
+  unsigned threads = 0;
   // Called after each iteration; false ends the search with the best so far.
   std::function<bool(const LearnProgress&)> on_iteration{};
+  // Before that, bytes with which learn() of the same experiments, learnables and options goes on there, to the same
+  // bits as if it had not been disturbed, in this version on a machine of the same kind. It then throws Error(input)
+  // for bytes that are damaged, and for other experiments, learnables or options, and says which.
+  std::function<void(const std::string& state)> on_state{};
+  std::string state{};  // to go on from; empty: the start
 };
 
 // A value that was learned.
@@ -82,9 +115,22 @@ struct LearnedParameter {
   double determined = 1.0;
   // Estimate of what half the time step would add to the value: the share of the method's error in it.
   double by_time_step = 0.0;
+  // Least and greatest of what those of several starts have found that are as good as the best one; nan: one start.
+  double starts_lower = std::numeric_limits<double>::quiet_NaN();
+  double starts_upper = std::numeric_limits<double>::quiet_NaN();
 };
 // "spring.stiffness", "element.viscosity.damping", "velocity.x"
 [[nodiscard]] SPRINGNET_API std::string name_of(const LearnedParameter& parameter);
+
+// What a search from one of several starts has found.
+struct LearnedStart {
+  double start_cost = 0.0, cost = 0.0;  // nan: no motion near there succeeds
+  int iterations = 0;                   // of all stages
+  // Its cost is that of the best to 1 %, or to 1e-8 of the first start's.
+  bool is_as_good = false;
+  Eigen::VectorXd values;  // as of MotionDerivatives
+  std::string reason;      // why it ended
+};
 
 struct LearnedNet {
   std::vector<LearnedParameter> parameters;
@@ -95,7 +141,9 @@ struct LearnedNet {
   std::size_t variables = 0;
   std::vector<double> singular_values;  // of the residuals by the variables, descending
   std::size_t undetermined = 0;         // directions without influence
-  std::vector<LearnProgress> history;   // of all stages, without values
+  std::vector<LearnProgress> history;   // of all stages of the best start, without values
+  std::vector<LearnedStart> starts;     // none: there was one
+  bool stopped = false;                 // by on_iteration
   std::string reason;                   // why the search ended
   std::vector<std::string> notes;
 };

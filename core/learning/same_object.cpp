@@ -1,0 +1,51 @@
+#include "learning/same_object.hpp"
+
+#include <cstddef>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet::learning {
+
+namespace {
+
+// What the other one has instead; empty: all is the same.
+std::string difference_of(const Network& first, const Network& other) {
+  const auto counts = [](const Network& of) {
+    return fmt::format("{} nodes, {} springs and {} elements", of.nodes().size(), of.springs().size(),
+                       of.elements().size());
+  };
+  if (counts(first) != counts(other)) return fmt::format("{} in place of {}", counts(other), counts(first));
+  for (std::size_t k = 0; k < first.springs().size(); ++k) {
+    const Spring here = first.springs()[k], there = other.springs()[k];
+    if (here.first != there.first || here.second != there.second)
+      return fmt::format("spring {} between the nodes {} and {} in place of {} and {}", k, there.first, there.second,
+                         here.first, here.second);
+  }
+  for (std::size_t k = 0; k < first.elements().size(); ++k) {
+    const Element &here = first.elements()[k], &there = other.elements()[k];
+    if (here.invariant != there.invariant || here.nodes != there.nodes)
+      return fmt::format("another invariant, or other nodes, of element {}", k);
+  }
+  return {};
+}
+
+}  // namespace
+
+void check_same_object(const std::vector<Experiment>& experiments) {
+  for (std::size_t k = 0; k < experiments.size(); ++k) {
+    const Experiment& each = experiments[k];
+    if (!each.network) throw Error(ErrorKind::input, fmt::format("learning: experiment {} has no network", k + 1));
+    const std::string difference = difference_of(*experiments.front().network, *each.network);
+    if (!difference.empty())
+      throw Error(
+          ErrorKind::input,
+          fmt::format("learning: experiment {} is of another object than the first: it has {}; loads, the start "
+                      "and what is fixed may differ alone",
+                      k + 1, difference));
+  }
+}
+
+}  // namespace springnet::learning

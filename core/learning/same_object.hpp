@@ -1,0 +1,14 @@
+// Experiments on one object.
+#pragma once
+
+#include <vector>
+
+#include <springnet/learn.hpp>
+
+namespace springnet::learning {
+
+// Throws Error(input) unless all have a network with nodes, springs and elements like those of the first one: springs
+// between the same nodes, elements of the same kind. Loads, starts and what is fixed may be others, and so may values.
+void check_same_object(const std::vector<Experiment>& experiments);
+
+}  // namespace springnet::learning

@@ -1,0 +1,83 @@
+#include "learning/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace springnet::learning {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+class Problem final : public LeastSquares {
+ public:
+  explicit Problem(Fit& fit) : fit_(fit) {}
+  VectorXd residuals(const VectorXd& x) override { return fit_.residuals(x); }
+  void linearise(const VectorXd& x) override { fit_.linearise(x); }
+  VectorXd times(const VectorXd& change) override { return fit_.times(change); }
+  MatrixXd jacobian(Eigen::Index variables) override { return fit_.times(MatrixXd::Identity(variables, variables)); }
+  VectorXd transposed_times(const VectorXd& weights) override { return fit_.transposed_times(weights); }
+
+ private:
+  Fit& fit_;
+};
+
+}  // namespace
+
+Minimum Search::made(Fit& fit, const VectorXd& from, const MinimiseOptions& own) const {
+  Problem problem(fit);
+  const Bounds bounds{variables.lower(), variables.upper()};
+  switch (options.optimiser) {
+    case Optimiser::lbfgs:
+      return lbfgs(problem, from, bounds, own);
+    case Optimiser::descent:
+      return gradient_descent(problem, from, bounds, own);
+    case Optimiser::levenberg_marquardt:
+      break;
+  }
+  return levenberg_marquardt(problem, from, bounds, own);
+}
+
+Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) {
+  constexpr int most_of_a_stage = 30;
+  constexpr double tolerance_of_a_stage = 1e-2, tolerance_of_a_weight = 1e-4;  // of the cost
+  MinimiseOptions own;
+  own.max_iterations = is_last ? options.max_iterations : std::min(most_of_a_stage, options.max_iterations);
+  own.cost_tolerance = is_last ? options.tolerance : share < 1.0 ? tolerance_of_a_stage : tolerance_of_a_weight;
+  own.step_tolerance = own.gradient_tolerance = options.tolerance;
+  own.unit = variables.scale();
+  own.state = journal.present_leg();
+  if (options.on_state) own.on_state = [this](const std::string& state) { options.on_state(journal.with(state)); };
+  const double values = static_cast<double>(std::max<std::size_t>(1, fit.observed()));
+  const int before = history.empty() ? 0 : history.back().iteration;
+  const auto progress = [&](const Progress& now) {
+    LearnProgress told{before + now.iteration, share, now.cost, std::sqrt(2.0 * now.cost / values), {}};
+    told.start = start;
+    const double of_leg = static_cast<double>(now.iteration) / std::max(1, own.max_iterations);
+    told.done = (start + (stage + std::min(1.0, of_leg)) / stages) / std::max(1, options.starts);
+    return told;
+  };
+  own.on_iteration = [&](const Progress& now, const VectorXd& best) {
+    if (!options.on_iteration || stopped) return !stopped;
+    LearnProgress told = progress(now);
+    told.values = variables.values(best);
+    stopped = !options.on_iteration(told);
+    return !stopped;
+  };
+  Minimum minimum;
+  if (std::optional<Minimum> ended = journal.ended_leg()) {
+    minimum = std::move(*ended);
+  } else {
+    minimum = made(fit, from, own);
+    if (!stopped) journal.end_leg(minimum);
+  }
+  for (const Progress& each : minimum.history) history.push_back(progress(each));
+  return minimum;
+}
+
+}  // namespace springnet::learning
