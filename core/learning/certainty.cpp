@@ -28,18 +28,26 @@ Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::s
   Eigen::Index rank = 0;
   while (rank < values.size() && values[rank] > without_influence * values[0] && values[rank] > 0.0) ++rank;
   undetermined_ = static_cast<std::size_t>(variables - rank);
-  const MatrixXd v = svd.matrixV().leftCols(rank);
+  directions_ = svd.matrixV().leftCols(rank);
   const VectorXd inverse = values.head(rank).cwiseInverse();
-  inverse_ = v * inverse.asDiagonal() * svd.matrixU().leftCols(rank).transpose();
-  determined_ = v.rowwise().squaredNorm();
+  inverse_ = directions_ * inverse.asDiagonal() * svd.matrixU().leftCols(rank).transpose();
   const double left = static_cast<double>(observed) - static_cast<double>(rank);  // degrees of freedom
-  half_width_ = VectorXd::Constant(variables, std::numeric_limits<double>::infinity());
   if (!(left >= 1.0)) return;
   const double deviation = std::sqrt(residuals.squaredNorm() / left);
   const double quantile = boost::math::quantile(boost::math::students_t(left), 0.5 * (1.0 + confidence));
-  for (Eigen::Index k = 0; k < variables; ++k)
-    if (determined_[k] >= 1.0 - all_but_rounding)
-      half_width_[k] = quantile * deviation * (v.row(k).transpose().cwiseProduct(inverse)).norm();
+  widths_ = quantile * deviation * inverse;
+}
+
+double Certainty::determined(Eigen::Index first, const VectorXd& weights) const {
+  const double all = weights.squaredNorm();
+  return all > 0.0 ? (directions_.middleRows(first, weights.size()).transpose() * weights).squaredNorm() / all : 0.0;
+}
+
+double Certainty::half_width(Eigen::Index first, const VectorXd& weights) const {
+  if (widths_.size() != directions_.cols() || determined(first, weights) < 1.0 - all_but_rounding)
+    return std::numeric_limits<double>::infinity();
+  const VectorXd along = directions_.middleRows(first, weights.size()).transpose() * weights;
+  return along.cwiseProduct(widths_).norm();
 }
 
 VectorXd Certainty::change_for(const VectorXd& residuals) const { return -(inverse_ * residuals); }

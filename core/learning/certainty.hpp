@@ -17,19 +17,21 @@ class Certainty {
   [[nodiscard]] const std::vector<double>& singular_values() const noexcept { return singular_values_; }
   // Directions without influence on anything that was observed.
   [[nodiscard]] std::size_t undetermined() const noexcept { return undetermined_; }
-  // Share of a variable that lies in directions with influence, 0 to 1.
-  [[nodiscard]] double determined(Eigen::Index variable) const { return determined_[variable]; }
-  // Half the width of the 95 % confidence interval of a linear model with the variance of the residuals that are left;
+  // Of a combination of the variables from `first` on, with these weights, in the units of the scale: the share of it
+  // that lies in directions with influence, 0 to 1.
+  [[nodiscard]] double determined(Eigen::Index first, const Eigen::VectorXd& weights) const;
+  // Half the width of its 95 % confidence interval, of a linear model with the variance of the residuals that are left;
   // infinite where a part is not determined, or nothing is left to estimate the variance from.
-  [[nodiscard]] double half_width(Eigen::Index variable) const { return half_width_[variable]; }
+  [[nodiscard]] double half_width(Eigen::Index first, const Eigen::VectorXd& weights) const;
   // The change of the variables that a change of the residuals means, in directions with influence.
   [[nodiscard]] Eigen::VectorXd change_for(const Eigen::VectorXd& residuals) const;
 
  private:
   std::vector<double> singular_values_;
   std::size_t undetermined_ = 0;
-  Eigen::VectorXd determined_, half_width_;
-  Eigen::MatrixXd inverse_;  // pseudo-inverse
+  Eigen::MatrixXd inverse_;     // pseudo-inverse
+  Eigen::MatrixXd directions_;  // with influence: [variable][direction]
+  Eigen::VectorXd widths_;  // half those of the intervals along them; no size: nothing to estimate the variance from
 };
 
 }  // namespace springnet::learning

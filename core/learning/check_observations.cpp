@@ -66,6 +66,8 @@ class Check {
       fail_in_all(
           "nothing is observed: there is no row, or all values are missing or have the weight 0; name a table "
           "with values");
+    if (!(observations_.outlier_distance > 0.0))
+      fail_in_all(fmt::format("the distance of outliers is {} m; give one above 0", observations_.outlier_distance));
     check_overlap();
     for_each_list(observations_, [&](const auto& rows, const char* list) {
       for (std::size_t k = 0; k < rows.size(); ++k) {

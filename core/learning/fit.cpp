@@ -60,11 +60,13 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     check_observations(each.observations, each.network->nodes().size(), 0.0, durations.back());
   }
   std::vector<std::unique_ptr<MotionDerivatives>> motions(experiments.size());
+  std::vector<std::unique_ptr<ObservedNet>> nets(experiments.size());
   const auto make = [&](std::size_t k) {
     const Experiment& each = experiments[k];
     motions[k] = std::make_unique<MotionDerivatives>(
         each.network, plugins, with_share_of_threads(each, threads, at_a_time_), durations[k], values_of(learnables));
     motions[k]->set_memory(memory / experiments.size());
+    nets[k] = std::make_unique<ObservedNet>(each.network, plugins, each.options, values_of(learnables));
   };
   make(0);
   variables_ =
@@ -75,11 +77,11 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     motions[k]->run(values);
   });
   for (std::size_t k = 0; k < experiments.size(); ++k) {
-    ObservedMotion observed(experiments[k].observations, times_of(*motions[k]));
+    ObservedMotion observed(experiments[k].observations, times_of(*motions[k]), *nets[k]);
     const Eigen::Index first = rows_;
     rows_ += observed.count();
     observed_ += experiments[k].observations.value_count();
-    runs_.push_back({std::move(motions[k]), std::move(observed), first});
+    runs_.push_back({std::move(motions[k]), std::move(nets[k]), std::move(observed), first});
   }
 }
 
@@ -102,9 +104,10 @@ VectorXd Fit::residuals(const VectorXd& x) {
   const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? x.size() : 0;
   VectorXd result = VectorXd::Constant(rows_ + guess_rows, std::numeric_limits<double>::quiet_NaN());
   if (!run(x)) return result;
+  const VectorXd values = variables_->values(x);
   for_each_run([&](std::size_t k) {
     Run& each = runs_[k];
-    each.observed.residuals(*each.motion, result.segment(each.first, each.observed.count()));
+    each.observed.residuals(*each.motion, values, result.segment(each.first, each.observed.count()));
   });
   if (guess_rows > 0)
     result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(variables_->scale());
@@ -138,7 +141,8 @@ MatrixXd Fit::times(const MatrixXd& changes) {
   for_each_run([&](std::size_t k) {
     const Run& each = runs_[k];
     each.motion->tangent(values, [&](std::size_t state, const MatrixXd& positions, const MatrixXd& velocities) {
-      each.observed.add_tangent(state, positions, velocities, result.middleRows(each.first, each.observed.count()));
+      each.observed.add_tangent(*each.motion, state, {values, positions, velocities},
+                                result.middleRows(each.first, each.observed.count()));
     });
   });
   if (guess_rows > 0)
@@ -150,9 +154,11 @@ VectorXd Fit::transposed_times(const VectorXd& weights) {
   std::vector<VectorXd> gradients(runs_.size());
   for_each_run([&](std::size_t k) {
     const Run& each = runs_[k];
-    gradients[k] = each.motion->adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
-      each.observed.add_adjoint(state, weights.segment(each.first, each.observed.count()), add);
+    VectorXd directly = VectorXd::Zero(static_cast<Eigen::Index>(each.motion->value_count()));
+    const VectorXd by_states = each.motion->adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
+      each.observed.add_adjoint(*each.motion, state, weights.segment(each.first, each.observed.count()), add, directly);
     });
+    gradients[k] = by_states + directly;
   });
   VectorXd gradient = gradients.front();  // summed in the order of the experiments, whichever was done first
   for (std::size_t k = 1; k < gradients.size(); ++k) gradient += gradients[k];

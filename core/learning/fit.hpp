@@ -40,6 +40,7 @@ class Fit {
  private:
   struct Run {
     std::unique_ptr<MotionDerivatives> motion;
+    std::unique_ptr<ObservedNet> net;
     ObservedMotion observed;
     Eigen::Index first;  // of its residuals
   };

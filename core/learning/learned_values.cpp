@@ -62,6 +62,9 @@ struct OfSimulation {
   void set_neurons(const LearnedValues& what, const Values& values) const {
     simulation.set_neuron_parameter(what.members, what.parameter, values);
   }
+  void set_loads(const LearnedValues& what, const Values& values) const {
+    for (std::size_t i = 0; i < values.size(); ++i) simulation.set_load_factor(what.members[i], values[i]);
+  }
 };
 
 struct OfEngine {
@@ -79,6 +82,10 @@ struct OfEngine {
   void set_neurons(const LearnedValues& what, const Values& values) const {
     springnet::set_neurons(engine, what.members, what.parameter, values);
   }
+  void set_loads(const LearnedValues& what, const Values& values) const {
+    for (std::size_t i = 0; i < values.size(); ++i) engine.model().loads.set_factor(what.members[i], values[i]);
+    engine.model().changed();
+  }
 };
 
 }  // namespace
@@ -89,9 +96,10 @@ LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> lear
     throw Error(ErrorKind::input, "learning: there is nothing to be learned");
   std::map<std::tuple<Kind, bool, std::string>, std::vector<std::uint8_t>> all_listed;
   for (LearnedValues& each : learned) {
-    const std::size_t most = is_of_nodes(each.kind) ? network.nodes().size()
-                             : each.of_elements     ? network.elements().size()
-                                                    : network.springs().size();
+    const std::size_t most = each.kind == Kind::load  ? network.loads().size()
+                             : is_of_nodes(each.kind) ? network.nodes().size()
+                             : each.of_elements       ? network.elements().size()
+                                                      : network.springs().size();
     std::vector<std::uint8_t>& listed = all_listed[{each.kind, each.of_elements, each.parameter}];
     listed.resize(most);
     for (const std::uint32_t member : each.members) {
@@ -121,6 +129,8 @@ void LearnedSets::attach(Engine& engine) {
     if (is_of_nodes(what.kind)) {
       for (std::uint32_t& each : set.places) each = layout.ordering().engine[each];
       set.values.assign(set.is_velocity() ? 0 : layout.node_count(), 0.0);
+    } else if (set.is_load()) {
+      set.values.assign(engine.model().loads.count(), 0.0);
     } else {
       set.values.assign(what.of_elements ? layout.elements().count() : layout.spring_count(), 0.0);
     }
@@ -151,6 +161,9 @@ Eigen::VectorXd LearnedSets::values_of(const Engine& engine) const {
           break;
         case Kind::neuron_parameter:
           result[next++] = neuron_value(model.layout, member, what.parameter);
+          break;
+        case Kind::load:
+          result[next++] = model.loads.factor(member);
           break;
         case Kind::initial_velocity:
           for (const double* component :
@@ -209,6 +222,9 @@ void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorX
       case Kind::neuron_parameter:
         target.set_neurons(what, own);
         break;
+      case Kind::load:
+        target.set_loads(what, own);
+        break;
       case Kind::initial_velocity:
         break;
     }
@@ -226,7 +242,7 @@ void LearnedSets::set(Engine& engine, const Eigen::VectorXd& values) const {
 std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
   std::vector<sdk::Host::ParameterSet> result;
   for (Set& set : sets_) {
-    if (set.is_velocity()) continue;
+    if (set.is_velocity() || set.is_load()) continue;
     sdk::Host::ParameterSet each{host_kind(set.what.kind), set.values};
     if (!set.what.parameter.empty()) each.parameter = set.what.parameter.c_str();
     each.of_elements = set.what.of_elements;
@@ -235,8 +251,32 @@ std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
   return result;
 }
 
-void LearnedSets::tangent(const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
-                          double* accelerations, double* internal) {
+// Loads are linear in their factors, and accelerations in forces.
+Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
+                                     std::uint32_t load) {
+  Loads& loads = engine.model().loads;
+  const double factor = loads.factor(load);
+  const auto n = static_cast<Eigen::Index>(host.network().node_count);
+  const auto accelerations = [&](double with) {
+    Eigen::VectorXd result(3 * n);
+    springnet_evaluation wanted = at;
+    wanted.acceleration = {result.data(), result.data() + n, result.data() + 2 * n};
+    loads.set_factor(load, with);
+    host.evaluate(wanted);
+    return result;
+  };
+  try {
+    const Eigen::VectorXd more = accelerations(factor + 0.5), less = accelerations(factor - 0.5);
+    loads.set_factor(load, factor);
+    return more - less;
+  } catch (...) {
+    loads.set_factor(load, factor);
+    throw;
+  }
+}
+
+void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
+                          const Eigen::VectorXd& change, double* accelerations, double* internal) {
   for (Set& set : sets_) {
     if (set.is_velocity()) continue;
     std::fill(set.values.begin(), set.values.end(), 0.0);
@@ -244,19 +284,32 @@ void LearnedSets::tangent(const sdk::Host& host, const springnet_evaluation& at,
       set.values[set.places[i]] = change[static_cast<Eigen::Index>(set.first + i)];
   }
   const std::vector<sdk::Host::ParameterSet> sets = host_sets();
-  if (!sets.empty()) return host.parameter_tangent(at, sets, {nullptr, accelerations, internal});
-  std::fill_n(accelerations, 3 * host.network().node_count, 0.0);
-  if (internal != nullptr) std::fill_n(internal, host.network().internal_count, 0.0);
+  if (!sets.empty()) {
+    host.parameter_tangent(at, sets, {nullptr, accelerations, internal});
+  } else {
+    std::fill_n(accelerations, 3 * host.network().node_count, 0.0);
+    if (internal != nullptr) std::fill_n(internal, host.network().internal_count, 0.0);
+  }
+  for (const Set& set : sets_)
+    for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
+      if (const double by = change[static_cast<Eigen::Index>(set.first + i)]; by != 0.0)
+        Eigen::Map<Eigen::VectorXd>(accelerations, 3 * static_cast<Eigen::Index>(host.network().node_count)) +=
+            by * by_load(engine, host, at, set.places[i]);
 }
 
 void LearnedSets::begin_cotangent() {
   for (Set& set : sets_) std::fill(set.values.begin(), set.values.end(), 0.0);
 }
 
-void LearnedSets::add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights,
+void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
                                 double* internal_weights) {
   const std::vector<sdk::Host::ParameterSet> sets = host_sets();
   if (!sets.empty()) host.parameter_cotangent(at, sets, {nullptr, weights, internal_weights});
+  for (Set& set : sets_)
+    for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
+      set.values[set.places[i]] +=
+          Eigen::Map<const Eigen::VectorXd>(weights, 3 * static_cast<Eigen::Index>(host.network().node_count))
+              .dot(by_load(engine, host, at, set.places[i]));
 }
 
 Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const {

@@ -33,11 +33,11 @@ class LearnedSets {
 
   // Changes of accelerations, [3 node], for that of the values; and of internal states at the end of a step, null: not
   // wanted.
-  void tangent(const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
+  void tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
                double* accelerations, double* internal = nullptr);
   // Adds (da/d(values))^T weights, to zeros at first; of internal states likewise.
   void begin_cotangent();
-  void add_cotangent(const sdk::Host& host, const springnet_evaluation& at, double* weights,
+  void add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
                      double* internal_weights = nullptr);
   // The sums, with derivatives by the start velocities (the engine's order, x of all nodes first).
   [[nodiscard]] Eigen::VectorXd cotangent(const Eigen::VectorXd& by_velocity) const;
@@ -50,19 +50,23 @@ class LearnedSets {
   void start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const;
 
  private:
-  // One LearnedValues; `values` has a number for each spring, element or node, or none for start velocities.
+  // One LearnedValues; `values` has a number for each spring, element, node or load, or none for start velocities.
   struct Set {
     LearnedValues what;
     std::size_t first = 0;              // of its values
     std::vector<std::uint32_t> places;  // [member] in `values`; of start velocities: the engine's nodes
     std::vector<double> values;
     [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
+    [[nodiscard]] bool is_load() const noexcept { return what.kind == LearnedValues::Kind::load; }
     [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
   };
   template <class Target>
   void set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<double> values_of(const Set& set, const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<sdk::Host::ParameterSet> host_sets();
+  // Changes of accelerations for one of a load's factor.
+  [[nodiscard]] static Eigen::VectorXd by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
+                                               std::uint32_t load);
 
   std::vector<Set> sets_;
   std::size_t count_ = 0;

@@ -23,6 +23,7 @@ std::string to_json(const LearnedNet& learned) {
     entry[std::string(member_name(each.kind, each.of_elements))] = each.member;
     if (each.axis >= 0) entry["axis"] = each.axis;
     entry["variable"] = each.variable;
+    if (each.variables > 1) entry["variables"] = each.variables;
     entry["start"] = each.start;
     entry["value"] = each.value;
     entry["lower"] = number(each.lower);

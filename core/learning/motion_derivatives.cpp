@@ -155,6 +155,7 @@ struct MotionDerivatives::Impl {
   void set_engines(const VectorXd& values);
   void find_outputs(const Step& step);
   [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
+  [[nodiscard]] Engine& engine_of(const sdk::Host& of) { return &of == &host ? engine : constraints->engine(); }
   [[nodiscard]] bool is_constrained_at(std::size_t state) { return constraints && constraints->any_at(state); }
   template <class Function>
   void with_messages(const Function& function) const {
@@ -284,7 +285,7 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
         work = dps.col(j);
         constraints->add_carried(work, product);
       }
-      learned.tangent(of, where, changes.col(j), other.data(), at_end ? internal.by_values(j) : nullptr);
+      learned.tangent(engine_of(of), of, where, changes.col(j), other.data(), at_end ? internal.by_values(j) : nullptr);
       rhss.col(j) += weight * (product + other);
     }
   };
@@ -418,7 +419,7 @@ void MotionDerivatives::Impl::start_backwards(std::size_t k) {
   }
   weights.setZero(size());
   add_start(of);
-  learned.add_cotangent(of, start, weights.data());
+  learned.add_cotangent(engine_of(of), of, start, weights.data());
 }
 
 // The solutions of the steps after this one go on, nearly.
@@ -451,7 +452,7 @@ void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   solver.solve_transposed(rhs, accuracy, solution, product, other);
   solved.push_back(solution);
   weights += own.w * solution;
-  learned.add_cotangent(host, end, weights.data(), internal.weights());
+  learned.add_cotangent(engine, host, end, weights.data(), internal.weights());
   product = dp + own.w * product;
   other = dv + own.w * other;
   if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));

@@ -21,12 +21,15 @@ std::string_view name_of(Kind kind) noexcept {
       return "neuron";
     case Kind::initial_velocity:
       return "velocity";
+    case Kind::load:
+      return "load";
   }
   return "";
 }
 
 std::string_view member_name(Kind kind, bool of_elements) noexcept {
   if (kind == Kind::mass || kind == Kind::neuron_parameter || kind == Kind::initial_velocity) return "node";
+  if (kind == Kind::load) return "load";
   return of_elements ? "element" : "spring";
 }
 

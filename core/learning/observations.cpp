@@ -47,6 +47,7 @@ std::size_t Observations::value_count() const noexcept {
 void Observations::append(Observations other) {
   const auto first_file = static_cast<std::uint32_t>(files.size());
   files.insert(files.end(), other.files.begin(), other.files.end());
+  outlier_distance = std::min(outlier_distance, other.outlier_distance);
   append_rows(positions, std::move(other.positions), first_file);
   append_rows(velocities, std::move(other.velocities), first_file);
   append_rows(reactions, std::move(other.reactions), first_file);

@@ -1,71 +1,35 @@
 #include "learning/observed_motion.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include <fmt/format.h>
-
-#include <springnet/error.hpp>
 
 namespace springnet::learning {
-
-namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// States and observations at the same time differ by the rounding of their sums.
-constexpr double same_time = 1e-9;  // of a step
-
-// Cubic Hermite polynomials at a share s of a step of length h: of x, h x', x and h x' of its ends.
-void set_weights(double s, double h, bool rate, double (&p)[2], double (&v)[2]) {
-  if (rate) {
-    p[0] = 6.0 * s * (s - 1.0) / h;
-    p[1] = -p[0];
-    v[0] = (1.0 - s) * (1.0 - 3.0 * s);
-    v[1] = s * (3.0 * s - 2.0);
-    return;
-  }
-  p[0] = (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s);
-  p[1] = s * s * (3.0 - 2.0 * s);
-  v[0] = h * s * (1.0 - s) * (1.0 - s);
-  v[1] = h * s * s * (s - 1.0);
-}
-
-void refuse(std::size_t rows, const char* what) {
-  if (rows > 0)
-    throw Error(
-        ErrorKind::input,
-        fmt::format("learning: observations of {} are not learned from; give positions, velocities or distances "
-                    "of nodes",
-                    what));
-}
-
-}  // namespace
-
-ObservedMotion::ObservedMotion(const Observations& observations, const std::vector<double>& state_times) {
-  refuse(observations.reactions.size(), "reaction forces");
-  refuse(observations.surface_points.size(), "points on the surface");
+ObservedMotion::ObservedMotion(const Observations& observations, const std::vector<double>& state_times,
+                               ObservedNet& net) {
   of_state_.resize(state_times.size());
-  const auto between = [&](double time, bool rate) {
-    const auto after = std::upper_bound(state_times.begin(), state_times.end(), time);
-    const auto last = static_cast<std::ptrdiff_t>(state_times.size()) - 2;
-    Between at;
-    at.state = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - state_times.begin() - 1, 0, last));
-    const double h = state_times[at.state + 1] - state_times[at.state];
-    double share = (time - state_times[at.state]) / h;
-    if (std::abs(share - std::round(share)) <= same_time) share = std::round(share);
-    set_weights(share, h, rate, at.p, at.v);
-    return at;
-  };
   for (const bool rate : {false, true})
     for (const Observations::VectorRow& each : rate ? observations.velocities : observations.positions)
-      add({false, each.node, each.node, between(each.time, rate), each.value, each.weight.cwiseSqrt(), {}, 0});
+      add({false,
+           each.node,
+           each.node,
+           between_states(state_times, each.time, rate),
+           each.value,
+           each.weight.cwiseSqrt(),
+           {},
+           0});
   for (const Observations::DistanceRow& each : observations.distances)
-    add({true, each.node, each.other, between(each.time, false), Vector3(each.distance, 0, 0),
+    add({true, each.node, each.other, between_states(state_times, each.time, false), Vector3(each.distance, 0, 0),
          Vector3(std::sqrt(each.weight), 0, 0), Vector3::Zero(), 0});
+  if (!observations.surface_points.empty()) surface_.emplace(net.surface(), observations, state_times);
+  if (!observations.reactions.empty()) reactions_.emplace(net.reactions(), observations, state_times);
+}
+
+Eigen::Index ObservedMotion::count() const noexcept {
+  return count_ + (surface_ ? surface_->count() : 0) + (reactions_ ? reactions_->count() : 0);
 }
 
 void ObservedMotion::add(const Row& row) {
@@ -76,7 +40,9 @@ void ObservedMotion::add(const Row& row) {
   count_ += row.is_distance ? 1 : 3;
 }
 
-void ObservedMotion::residuals(const MotionDerivatives& motion, Eigen::Ref<VectorXd> out) {
+void ObservedMotion::residuals(const MotionDerivatives& motion, const VectorXd& values, Eigen::Ref<VectorXd> out) {
+  if (surface_) surface_->residuals(motion, out.segment(count_, surface_->count()));
+  if (reactions_) reactions_->residuals(motion, values, out.tail(reactions_->count()));
   Matrix3Xd p[2], v[2];
   for (std::size_t k = 0; k + 1 < of_state_.size(); ++k) {
     if (of_state_[k].empty()) continue;
@@ -102,8 +68,25 @@ void ObservedMotion::residuals(const MotionDerivatives& motion, Eigen::Ref<Vecto
   }
 }
 
-void ObservedMotion::add_tangent(std::size_t state, const MatrixXd& positions, const MatrixXd& velocities,
+void ObservedMotion::add_tangent(const MotionDerivatives& motion, std::size_t state, const Tangents& changes,
                                  Eigen::Ref<MatrixXd> out) const {
+  add_tangent_of_nodes(state, changes, out);
+  if (surface_)
+    surface_->add_tangent(state, changes.positions, changes.velocities, out.middleRows(count_, surface_->count()));
+  if (reactions_)
+    reactions_->add_tangent(motion, state, changes.values, changes.positions, changes.velocities,
+                            out.bottomRows(reactions_->count()));
+}
+
+void ObservedMotion::add_adjoint(const MotionDerivatives& motion, std::size_t state,
+                                 const Eigen::Ref<const VectorXd>& weights, MotionDerivatives::StateChange& to,
+                                 VectorXd& by_values) const {
+  add_adjoint_of_nodes(state, weights, to);
+  if (surface_) surface_->add_adjoint(state, weights.segment(count_, surface_->count()), to);
+  if (reactions_) reactions_->add_adjoint(motion, state, weights.tail(reactions_->count()), to, by_values);
+}
+
+void ObservedMotion::add_tangent_of_nodes(std::size_t state, const Tangents& changes, Eigen::Ref<MatrixXd> out) const {
   for (std::size_t end = 0; end < 2; ++end) {  // of the step: the state is its start, or its end
     if (end > state || state - end >= of_state_.size()) continue;
     for (const std::size_t number : of_state_[state - end]) {
@@ -111,8 +94,8 @@ void ObservedMotion::add_tangent(std::size_t state, const MatrixXd& positions, c
       const double a = row.at.p[end], b = row.at.v[end];
       if (a == 0.0 && b == 0.0) continue;
       const auto of = [&](NodeIndex node) -> MatrixXd {
-        return a * positions.middleRows<3>(3 * Eigen::Index{node}) +
-               b * velocities.middleRows<3>(3 * Eigen::Index{node});
+        return a * changes.positions.middleRows<3>(3 * Eigen::Index{node}) +
+               b * changes.velocities.middleRows<3>(3 * Eigen::Index{node});
       };
       if (row.is_distance)
         out.row(row.first) += row.root_weight[0] * row.direction.transpose() * (of(row.node) - of(row.other));
@@ -122,8 +105,8 @@ void ObservedMotion::add_tangent(std::size_t state, const MatrixXd& positions, c
   }
 }
 
-void ObservedMotion::add_adjoint(std::size_t state, const Eigen::Ref<const VectorXd>& weights,
-                                 MotionDerivatives::StateChange& to) const {
+void ObservedMotion::add_adjoint_of_nodes(std::size_t state, const Eigen::Ref<const VectorXd>& weights,
+                                          MotionDerivatives::StateChange& to) const {
   for (std::size_t end = 0; end < 2; ++end) {
     if (end > state || state - end >= of_state_.size()) continue;
     for (const std::size_t number : of_state_[state - end]) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,33 +10,38 @@
 #include <springnet/motion_derivatives.hpp>
 #include <springnet/observations.hpp>
 
+#include "learning/between_states.hpp"
+#include "learning/observed_net.hpp"
+#include "learning/observed_reactions.hpp"
+#include "learning/observed_surface.hpp"
+
 namespace springnet::learning {
 
-// Between the states of a motion, positions are cubic Hermite splines of positions and velocities, velocities their
-// derivatives: of third order, where a step is of second at most.
+// Positions, velocities and distances of nodes; then points of the surface, and reactions.
 class ObservedMotion {
  public:
-  // Throws Error(input) for kinds of observations that are not learned from. state_times: s, ascending, from before the
-  // first observation to after the last one.
-  ObservedMotion(const Observations& observations, const std::vector<double>& state_times);
+  // Throws Error(input) for reactions of nodes that have none. state_times: s, ascending, from before the first
+  // observation to after the last one. The net must outlive it.
+  ObservedMotion(const Observations& observations, const std::vector<double>& state_times, ObservedNet& net);
 
-  // Of each component of a vector, each distance; what is missing leaves 0.
-  [[nodiscard]] Eigen::Index count() const noexcept { return count_; }
-  // sqrt(weight) (simulated - observed), with 1/2 |r|^2 the loss. The derivatives below are those at this motion.
-  void residuals(const MotionDerivatives& motion, Eigen::Ref<Eigen::VectorXd> out);
-  // Adds the changes of residuals for those of a state, a column each; see MotionDerivatives::tangent().
-  void add_tangent(std::size_t state, const Eigen::MatrixXd& positions, const Eigen::MatrixXd& velocities,
+  // Of each component of a vector, each distance, each component of the way to a point of the surface; what is missing
+  // leaves 0.
+  [[nodiscard]] Eigen::Index count() const noexcept;
+  // sqrt(weight) (simulated - observed), with 1/2 |r|^2 the loss. values: those of the motion. The derivatives below
+  // are those at this motion.
+  void residuals(const MotionDerivatives& motion, const Eigen::VectorXd& values, Eigen::Ref<Eigen::VectorXd> out);
+  // Changes of the values, and of a state for them, a column each; see MotionDerivatives::tangent().
+  struct Tangents {
+    const Eigen::MatrixXd &values, &positions, &velocities;
+  };
+  // Adds the changes of residuals.
+  void add_tangent(const MotionDerivatives& motion, std::size_t state, const Tangents& changes,
                    Eigen::Ref<Eigen::MatrixXd> out) const;
-  // Adds derivatives of weights . residuals by a state.
-  void add_adjoint(std::size_t state, const Eigen::Ref<const Eigen::VectorXd>& weights,
-                   MotionDerivatives::StateChange& to) const;
+  // Adds derivatives of weights . residuals by a state, and direct ones by the values.
+  void add_adjoint(const MotionDerivatives& motion, std::size_t state, const Eigen::Ref<const Eigen::VectorXd>& weights,
+                   MotionDerivatives::StateChange& to, Eigen::VectorXd& by_values) const;
 
  private:
-  // At a time the vector of a node is p[0] x + v[0] x' of a state and p[1] x + v[1] x' of the next one.
-  struct Between {
-    std::size_t state = 0;
-    double p[2] = {}, v[2] = {};  // of velocities in 1/s and 1
-  };
   struct Row {
     bool is_distance;
     NodeIndex node, other;
@@ -45,10 +51,15 @@ class ObservedMotion {
     Eigen::Index first;             // of its residuals
   };
   void add(const Row& row);
+  void add_tangent_of_nodes(std::size_t state, const Tangents& changes, Eigen::Ref<Eigen::MatrixXd> out) const;
+  void add_adjoint_of_nodes(std::size_t state, const Eigen::Ref<const Eigen::VectorXd>& weights,
+                            MotionDerivatives::StateChange& to) const;
 
   std::vector<Row> rows_;
   std::vector<std::vector<std::size_t>> of_state_;  // [state]: rows between it and the next one
-  Eigen::Index count_ = 0;
+  Eigen::Index count_ = 0;                          // of the residuals of rows_
+  std::optional<ObservedSurface> surface_;
+  std::optional<ObservedReactions> reactions_;
 };
 
 }  // namespace springnet::learning

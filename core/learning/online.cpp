@@ -43,6 +43,7 @@ struct OnlineLearner::Impl {
       : options(given),
         nodes(net->nodes().size()),
         motion(net, plugins, simulation, simulation.time_step, learning::values_of(learnables)),
+        observed_net(net, plugins, simulation, learning::values_of(learnables)),
         variables(*net, *plugins, learnables, motion.values_of_network()),
         x(variables.start()),
         values(variables.values(x)) {
@@ -54,16 +55,17 @@ struct OnlineLearner::Impl {
   [[nodiscard]] MatrixXd changes() const { return variables.times(x, MatrixXd(variables.scale().asDiagonal())); }
 
   double step(const Observations& seen) {
-    motion.make_step(values, changes());
+    const MatrixXd directions = changes();
+    motion.make_step(values, directions);
     if (seen.times().empty()) return 0.0;
     check_observations(seen, nodes, motion.time(0), motion.time(1));
-    learning::ObservedMotion observed(seen, {motion.time(0), motion.time(1)});
+    learning::ObservedMotion observed(seen, {motion.time(0), motion.time(1)}, observed_net);
     VectorXd residuals = VectorXd::Zero(observed.count());
-    observed.residuals(motion, residuals);
+    observed.residuals(motion, values, residuals);
     MatrixXd jacobian = MatrixXd::Zero(observed.count(), variables.count()), positions, velocities;
     for (const std::size_t state : {std::size_t{0}, std::size_t{1}}) {
       motion.step_tangents(state, positions, velocities);
-      observed.add_tangent(state, positions, velocities, jacobian);
+      observed.add_tangent(motion, state, {directions, positions, velocities}, jacobian);
     }
     greatest = std::max(greatest, jacobian.squaredNorm());
     if (greatest > 0.0) {
@@ -77,6 +79,7 @@ struct OnlineLearner::Impl {
   OnlineOptions options;
   std::size_t nodes;
   MotionDerivatives motion;
+  learning::ObservedNet observed_net;
   learning::Variables variables;
   VectorXd x, values;
   double greatest = 0.0;  // square of the sensitivities of a step

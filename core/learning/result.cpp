@@ -18,13 +18,16 @@ double rms_of(const VectorXd& residuals, std::size_t observed) {
 Observations part_of(const Observations& all, double from, double until) {
   Observations part;
   part.files = all.files;
+  part.outlier_distance = all.outlier_distance;
   const auto copy = [&](const auto& rows, auto& to) {
     std::copy_if(rows.begin(), rows.end(), std::back_inserter(to),
                  [&](const auto& row) { return row.time >= from && row.time <= until; });
   };
   copy(all.positions, part.positions);
   copy(all.velocities, part.velocities);
+  copy(all.reactions, part.reactions);
   copy(all.distances, part.distances);
+  copy(all.surface_points, part.surface_points);
   return part;
 }
 
@@ -49,19 +52,26 @@ void describe(LearnedNet& learned, const Variables& variables, const VectorXd& x
   for (std::size_t k = 0; k < learned.parameters.size(); ++k) {
     LearnedParameter& each = learned.parameters[k];
     each.variable = variables.variable_of(k);
-    const auto j = static_cast<Eigen::Index>(each.variable);
+    const VectorXd weights = variables.weights_of(k);
+    each.variables = static_cast<std::size_t>(weights.size());
     each.start = variables.value_at(k, variables.start(), 0.0);
     each.value = variables.value_at(k, x, 0.0);
-    each.at_bound = x[j] <= variables.lower()[j] || x[j] >= variables.upper()[j];
+    const auto first = static_cast<Eigen::Index>(each.variable);
+    for (Eigen::Index j = first; j < first + weights.size(); ++j)
+      if (weights[j - first] > 0.0 && (x[j] <= variables.lower()[j] || x[j] >= variables.upper()[j]))
+        each.at_bound = true;
+    const VectorXd scaled = weights.cwiseProduct(variables.scale().segment(first, weights.size()));
     const double infinite = std::numeric_limits<double>::infinity();
-    const double width = certainty == nullptr ? infinite : certainty->half_width(j) * variables.scale()[j];
+    const double width = certainty == nullptr ? infinite : certainty->half_width(first, scaled);
     const bool is_known = std::isfinite(width);  // else the bounds of the law would pass for an interval
     const double ends[] = {is_known ? variables.value_at(k, x, -width) : -infinite,
                            is_known ? variables.value_at(k, x, width) : infinite};
     each.lower = std::min(ends[0], ends[1]);
     each.upper = std::max(ends[0], ends[1]);
-    each.determined = certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(j);
-    each.by_time_step = shift.size() == 0 ? std::numeric_limits<double>::quiet_NaN() : variables.slope(k, x) * shift[j];
+    each.determined =
+        certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(first, scaled);
+    each.by_time_step = shift.size() == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                          : variables.slope(k, x) * weights.dot(shift.segment(first, weights.size()));
   }
 }
 

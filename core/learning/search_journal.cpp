@@ -54,6 +54,7 @@ std::string text_of(const Observations& observations) {
   digest.add(observations.surface_points.size());
   for (const Observations::SurfacePoint& row : observations.surface_points)
     for (const double each : {row.time, row.point[0], row.point[1], row.point[2], row.weight}) digest.add(each);
+  digest.add(observations.outlier_distance);
   return fmt::format("{} values ({:08x})", observations.value_count(), digest.value());
 }
 
@@ -68,6 +69,7 @@ std::string text_of(const std::vector<Learnable>& learnables) {
     digest.add(each.together);
     digest.add(each.lower);
     digest.add(each.upper);
+    digest.add(each.field_degree);
     names += fmt::format("{}{}{}{} of {}", names.empty() ? "" : ", ", each.values.of_elements ? "element." : "",
                          name_of(each.values.kind), each.values.parameter.empty() ? "" : "." + each.values.parameter,
                          each.values.members.size());

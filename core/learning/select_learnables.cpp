@@ -1,9 +1,11 @@
 // "spring.stiffness@cube:together": what of a network is learned, as text.
 #include <algorithm>
+#include <charconv>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +25,7 @@ using Kind = LearnedValues::Kind;
 struct Selection {
   std::string_view text, what, body;
   bool together = false;
+  int field_degree = -1;
 };
 
 [[noreturn]] void refuse(std::string_view text, const std::string& why) {
@@ -30,11 +33,19 @@ struct Selection {
 }
 
 Selection parse(std::string_view text) {
-  Selection result{text, text, {}, false};
+  Selection result{text, text, {}};
   if (const std::size_t at = result.what.find(':'); at != std::string_view::npos) {
-    if (result.what.substr(at) != ":together")
-      refuse(text, "only ':together' may follow a ':', at the end, behind '@BODY'");
-    result.together = true;
+    constexpr std::string_view field = ":field=";
+    std::string_view how = result.what.substr(at);
+    result.together = how == ":together";
+    if (how.starts_with(field)) {
+      how.remove_prefix(field.size());
+      const auto [end, error] = std::from_chars(how.data(), how.data() + how.size(), result.field_degree);
+      if (error != std::errc{} || end != how.data() + how.size() || result.field_degree < 0)
+        refuse(text, "the degree of a field is a whole number, 0 or more, as in ':field=2'");
+    } else if (!result.together) {
+      refuse(text, "only ':together' or ':field=DEGREE' may follow a ':', at the end, behind '@BODY'");
+    }
     result.what = result.what.substr(0, at);
   }
   if (const std::size_t at = result.what.find('@'); at != std::string_view::npos) {
@@ -115,16 +126,41 @@ std::vector<std::uint32_t> list(const Range& range, const Takes& takes) {
 constexpr std::string_view grammar =
     "write spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME, rest_length, "
     "reference, "
-    "mass or velocity, then @BODY for one body alone, and :together for one value of all";
+    "mass, velocity or load, then @BODY for one body alone, and :together for one value of all, or :field=DEGREE for a "
+    "smooth "
+    "field";
 
 }  // namespace
 
+// "load", or "load@2" for one, by its number.
+std::vector<std::uint32_t> loads_of(const Network& network, const Selection& selection) {
+  const auto count = static_cast<std::uint32_t>(network.loads().size());
+  if (count == 0) refuse(selection.text, "there are no loads");
+  std::vector<std::uint32_t> result;
+  if (selection.body.empty()) {
+    for (std::uint32_t k = 0; k < count; ++k) result.push_back(k);
+    return result;
+  }
+  std::uint32_t number = 0;
+  const char* const last = selection.body.data() + selection.body.size();
+  const auto [end, error] = std::from_chars(selection.body.data(), last, number);
+  if (error != std::errc{} || end != last || number >= count)
+    refuse(selection.text, fmt::format("behind 'load@' stands the number of a load, 0 to {}", count - 1));
+  return {number};
+}
+
 Learnable select_learnable(const Network& network, const PluginHost& plugins, std::string_view text) {
   const Selection selection = parse(text);
-  const Of of = members_of(network, selection);
   Learnable result;
   result.together = selection.together;
+  result.field_degree = selection.field_degree;
   LearnedValues& values = result.values;
+  if (selection.what == "load") {
+    values.kind = Kind::load;
+    values.members = loads_of(network, selection);
+    return result;
+  }
+  const Of of = members_of(network, selection);
   const auto moves = [&](std::uint32_t node) { return !network.nodes()[node].fixed; };
   std::string_view rest = selection.what;
   const auto starts = [&](std::string_view with) {
@@ -134,7 +170,9 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
   };
   if (rest == "mass" || rest == "velocity") {
     values.kind = rest == "mass" ? Kind::mass : Kind::initial_velocity;
-    values.members = list(of.nodes, moves);
+    // Of a fixed node only reactions tell the mass, by its weight; where it has that of others, it follows them.
+    const bool of_all = values.kind == Kind::mass && (result.together || result.field_degree >= 0);
+    values.members = list(of.nodes, [&](std::uint32_t node) { return of_all || moves(node); });
   } else if (rest == "rest_length" || rest == "reference") {
     values.kind = Kind::rest_length;
     values.of_elements = rest == "reference";

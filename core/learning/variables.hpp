@@ -1,10 +1,12 @@
-// Variables of a search for values: each drives one value, or several together, by itself or by its logarithm.
+// Variables of a search for values. Each value follows a combination of them, by itself or by its exponential: one
+// variable for each value, or for several together, or the coefficients of a field.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <springnet/learn.hpp>
 
@@ -14,8 +16,8 @@ namespace springnet::learning {
 
 class Variables {
  public:
-  // start: the values of the network. Throws Error(input) for parameters that are not declared learnable, and for
-  // bounds that exclude the start.
+  // start: the values of the network. Throws Error(input) for parameters that are not declared learnable, for bounds
+  // that exclude the start, and for fields with more coefficients than values.
   Variables(const Network& network, const PluginHost& plugins, const std::vector<Learnable>& learnables,
             const Eigen::VectorXd& start);
 
@@ -29,30 +31,35 @@ class Variables {
   [[nodiscard]] bool is_logarithmic(Eigen::Index variable) const {
     return is_logarithmic_[static_cast<std::size_t>(variable)];
   }
+  // The first of the variables that drive a value, one after another, and the weights of their combination.
   [[nodiscard]] std::size_t variable_of(std::size_t value) const noexcept { return links_[value].variable; }
+  [[nodiscard]] Eigen::VectorXd weights_of(std::size_t value) const;
 
   // Within the bounds of the values, whatever rounding an exponential adds.
   [[nodiscard]] Eigen::VectorXd values(const Eigen::VectorXd& x) const;
-  // d(value)/d(variable) at x.
+  // d(value)/d(combination) at x.
   [[nodiscard]] double slope(std::size_t value, const Eigen::VectorXd& x) const;
   // Changes of the values for those of the variables, a column each; and the transpose.
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::VectorXd& x, const Eigen::MatrixXd& changes) const;
   [[nodiscard]] Eigen::VectorXd transposed_times(const Eigen::VectorXd& x, const Eigen::VectorXd& gradient) const;
-  // The value for a variable that is shifted, all others as at x.
+  // The value for a combination that is shifted from that at x.
   [[nodiscard]] double value_at(std::size_t value, const Eigen::VectorXd& x, double shift) const;
 
  private:
-  // value = factor times the variable, or its exponential.
+  // value = offset + factor times the combination, or its exponential.
   struct Link {
-    std::size_t variable;
-    double factor;
+    std::size_t variable, variables;
+    double factor, offset;
     bool is_logarithmic;
     double lower, upper;  // of the value
   };
-  [[nodiscard]] static double value_of(const Link& link, double x);
+  class Builder;
+  [[nodiscard]] static double value_of(const Link& link, double combination);
+  [[nodiscard]] Eigen::VectorXd slopes(const Eigen::VectorXd& x) const;
 
-  std::vector<Link> links_;           // [value]
-  std::vector<bool> is_logarithmic_;  // [variable]
+  std::vector<Link> links_;                                    // [value]
+  Eigen::SparseMatrix<double, Eigen::RowMajor> combinations_;  // [value][variable]
+  std::vector<bool> is_logarithmic_;                           // [variable]
   Eigen::VectorXd start_, lower_, upper_, scale_;
 };
 

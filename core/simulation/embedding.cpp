@@ -32,6 +32,20 @@ void Simulation::set_gravity(const Vector3& acceleration) {
   impl_->between_steps().engine.model().loads.set_gravity(acceleration);
   impl_->engine.model().changed();
 }
+void Simulation::set_load_factor(std::size_t load, double factor) {
+  static_cast<void>(load_factor(load));
+  if (!std::isfinite(factor))
+    throw Error(ErrorKind::input, fmt::format("the factor of load {} is {}; give a finite one", load, factor));
+  Model& model = impl_->between_steps().engine.model();
+  model.loads.set_factor(load, factor);
+  model.changed();
+}
+double Simulation::load_factor(std::size_t load) const {
+  const Loads& loads = impl_->engine.model().loads;
+  if (load >= loads.count())
+    throw Error(ErrorKind::input, fmt::format("load {} does not exist: the network has {}", load, loads.count()));
+  return loads.factor(load);
+}
 void Simulation::set_input(InputIndex input, double value) {
   Model& model = impl_->between_steps().engine.model();
   layers::check_input_value(impl_->input(input).readers, value, fmt::format("value of input signal {}:", input));

@@ -114,6 +114,11 @@ void Loads::set_host_force(std::uint32_t node, const Vector3& force) {
   gather();
 }
 
+void Loads::set_factor(std::size_t load, double factor) {
+  entries_[load].factor = factor;
+  gather();
+}
+
 void Loads::gather() {
   for (std::size_t c = 0; c < 3; ++c) {
     if (host_[c].empty())
@@ -122,20 +127,22 @@ void Loads::gather() {
       total_[c] = host_[c];
     const auto row = static_cast<Eigen::Index>(c);
     for (const Entry& entry : entries_) {
-      if (entry.weight == 0.0) continue;
-      for (const std::uint32_t node : entry.nodes) total_[c][node] += entry.weight * entry.force[row];
-      for (const auto& [node, force] : entry.on_faces) total_[c][node] += entry.weight * force[row];
+      const double weight = entry.factor * entry.weight;
+      if (weight == 0.0) continue;
+      for (const std::uint32_t node : entry.nodes) total_[c][node] += weight * entry.force[row];
+      for (const auto& [node, force] : entry.on_faces) total_[c][node] += weight * force[row];
     }
   }
   any_pressure_ = false;
   for (std::size_t load = 0; load < entries_.size(); ++load) {
-    pressure_[load] = entries_[load].weight * entries_[load].pressure;
+    pressure_[load] = entries_[load].factor * entries_[load].weight * entries_[load].pressure;
     any_pressure_ = any_pressure_ || pressure_[load] != 0.0;
   }
 }
 
 void Loads::take_over(const Loads& before, const layers::NumbersBefore& numbers) {
   gravity_ = before.gravity_;
+  for (std::size_t load = 0; load < before.count(); ++load) entries_[load].factor = before.factor(load);
   for (std::size_t c = 0; c < 3 && !before.host_[c].empty(); ++c) {
     host_[c].assign(node_count_, 0.0);
     numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) { host_[c][k] = before.host_[c][old]; });
@@ -151,6 +158,7 @@ void Loads::archive(Archive& archive) {
   for (Entry& entry : entries_) {
     archive.number(entry.share);
     archive.number(entry.weight);
+    archive.number(entry.factor);
   }
   bool any = !host_[0].empty(), any_total = !total_[0].empty();
   archive.flag(any);

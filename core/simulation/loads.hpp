@@ -41,6 +41,10 @@ class Loads {
   [[nodiscard]] Vector3 host_force(std::uint32_t node) const {
     return host_[0].empty() ? Vector3(Vector3::Zero()) : Vector3(host_[0][node], host_[1][node], host_[2][node]);
   }
+  // Of a load's forces, tractions and pressures: 1 unless set.
+  void set_factor(std::size_t load, double factor);
+  [[nodiscard]] double factor(std::size_t load) const { return entries_[load].factor; }
+  [[nodiscard]] std::size_t count() const noexcept { return entries_.size(); }
   void set_gravity(const Vector3& acceleration) noexcept { gravity_ = acceleration; }
   [[nodiscard]] const Vector3& gravity() const noexcept { return gravity_; }
   // Gravity and forces of the program, of the network before it was extended.
@@ -63,7 +67,8 @@ class Loads {
     LoadCourse course;
     double from, until;
     double share;   // of the step within the window
-    double weight;  // share times factor
+    double weight;  // share times the course
+    double factor = 1.0;
   };
   Change set_time(double time);
   [[nodiscard]] static Change weigh(Entry& entry, double share, double weight) noexcept;

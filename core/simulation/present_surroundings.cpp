@@ -13,6 +13,9 @@ void add_loads(const Network& network, Engine& engine, Network& result) {
   for (std::size_t k = 0; k < network.loads().size(); ++k) {
     std::optional<Load> load = later(network.loads()[k], model.time);
     if (!load) continue;
+    load->force *= model.loads.factor(k);
+    load->traction *= model.loads.factor(k);
+    load->pressure *= model.loads.factor(k);
     const std::vector<Face> all = std::exchange(load->faces, {});
     const std::vector<Vector3> areas = std::exchange(load->areas, {});
     for (std::size_t f = 0; f < all.size(); ++f) {

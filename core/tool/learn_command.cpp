@@ -28,11 +28,12 @@ differentiated through time, and the values are changed until the sum of the wei
 least. What the data say of each value is told with it.
 
 FILE is a table (CSV) with a line for each observation: time,node,x,y,z as in trajectory.csv of a run, or vx,vy,vz, or
-time,node,other,distance; an empty cell is missing, 'weight' or a standard deviation 's' weighs a line.
+rx,ry,rz (forces that hold nodes, as in reactions.csv), or time,node,other,distance, or time,x,y,z (points of the
+surface); an empty cell is missing, 'weight' or a standard deviation 's' weighs a line.
 
 WHAT is spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME (parameters that a law or
-neuron declares learnable), rest_length, reference, mass or velocity; @BODY takes one body alone, :together one value
-for all.
+neuron declares learnable), rest_length, reference, mass, velocity or load; @BODY takes one body alone, :together one
+value for all, :field=2 a smooth field of second degree; load@2 is the third [[force]].
 
 Files in the output folder:
   learned.toml      the scene with the values that were learned
@@ -45,6 +46,7 @@ Examples:
   springnet learn bar.toml --observations seen.csv --parameters spring.stiffness:together,viscosity.damping:together
   springnet learn cube.toml --observations run/trajectory.csv --parameters spring.stiffness,mass@cube -o learned
   springnet learn hung.toml --observations hung.csv --experiment pushed.toml=pushed.csv --parameters spring.stiffness
+  springnet learn liver.toml --observations scan.csv --parameters spring.stiffness@liver:field=2
 
 Exit status:
   0 done   1 no value was found   2 usage, scene or observations   3 plugin)";
@@ -65,6 +67,7 @@ struct LearnArguments {
   bool resume = false;
   double guess_weight = 0.0;
   double memory = 1024.0;  // MiB
+  double outlier_distance = Observations{}.outlier_distance;
 };
 
 constexpr const char* learned_file = "learned.toml";
@@ -101,24 +104,39 @@ std::string read_state(const OutputFolder& folder) {
   return state;
 }
 
-// One row for each variable.
+// One row for each variable; two for a field, where it is least and greatest.
 std::string table_of(const LearnedNet& learned) {
   constexpr std::size_t most = 12;
   std::vector<std::vector<std::string>> rows{{"VALUE", "START", "LEARNED", "95 % INTERVAL", "HALF THE TIME STEP ADDS"}};
   std::size_t variable = 0, left_out = 0;
-  for (const LearnedParameter& each : learned.parameters) {
-    if (each.variable != variable) continue;  // of one that stands there already
-    ++variable;
+  const auto add = [&](const LearnedParameter& each, const char* which) {
     if (rows.size() > most) {
       ++left_out;
-      continue;
+      return;
     }
     std::string interval = std::isfinite(each.determined) ? "not determined" : "not known";
     if (std::isfinite(each.upper)) interval = fmt::format("{:.6g} to {:.6g}", each.lower, each.upper);
     if (each.at_bound) interval += ", at its bound";
-    rows.push_back({fmt::format("{} of {} {}", name_of(each), member_name(each.kind, each.of_elements), each.member),
-                    fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
-                    std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
+    rows.push_back(
+        {fmt::format("{} of {} {}{}", name_of(each), member_name(each.kind, each.of_elements), each.member, which),
+         fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
+         std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
+  };
+  for (const LearnedParameter& each : learned.parameters) {
+    if (each.variable != variable) continue;  // of one that stands there already
+    variable += each.variables;
+    if (each.variables == 1) {
+      add(each, "");
+      continue;
+    }
+    const LearnedParameter *least = &each, *greatest = &each;
+    for (const LearnedParameter& other : learned.parameters) {
+      if (other.variable != each.variable) continue;
+      if (other.value < least->value) least = &other;
+      if (other.value > greatest->value) greatest = &other;
+    }
+    add(*least, ", least of the field");
+    add(*greatest, ", greatest of the field");
   }
   std::string text = align_columns(rows);
   if (left_out > 0) text += fmt::format("  and {} more, in {}\n", left_out, learning_file);
@@ -160,6 +178,7 @@ int run(const LearnArguments& arguments) {
   for (const std::string& each : arguments.experiments)
     experiments.push_back(experiment_of(each, arguments.scene, *host));
   Experiment& experiment = experiments.front();
+  for (Experiment& each : experiments) each.observations.outlier_distance = arguments.outlier_distance;
   const OutputFolder::Pointer folder =
       arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file});
 
@@ -273,6 +292,11 @@ void add_learn(CLI::App& app, Action& action) {
           "--method online [1024]")
       ->type_name("MIB")
       ->check(number_between(above_zero, 1e9));
+  command
+      ->add_option("--outlier-distance", arguments->outlier_distance,
+                   "Points that are farther from the surface, m, count by their distance in place of its square [none]")
+      ->type_name("M")
+      ->check(number_between(above_zero, finite));
   arguments->output.add_to(*command);
   command->footer(learn_examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });

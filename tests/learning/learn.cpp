@@ -260,6 +260,7 @@ TEST_CASE("what is learned is selected by text") {
   CHECK(members("viscosity.damping@cube") == 252);
   CHECK(members("rest_length") == 252);
   CHECK(members("mass") == 63);
+  CHECK(members("mass:together") == 64);
   CHECK(members("velocity") == 63);
   CHECK(select_learnable(net, *plugins(), "spring.stiffness:together").together);
   const auto refused = [&](const char* text) {
@@ -267,7 +268,7 @@ TEST_CASE("what is learned is selected by text") {
   };
   CHECK(has(refused("spring.stifness"), "did you mean 'stiffness'"));
   CHECK(has(refused("mass@cub"), "did you mean 'cube'"));
-  CHECK(has(refused("mass:all"), "only ':together'"));
+  CHECK(has(refused("mass:all"), "only ':together' or ':field=DEGREE'"));
   CHECK(has(refused("colour"), "write spring.NAME"));
   CHECK(has(refused("element.spring.stiffness"), "these elements"));
   CHECK(has(refused("reference"), "nothing of this kind"));
@@ -287,8 +288,8 @@ TEST_CASE("observations and starts that do not fit are refused") {
   unknown.positions[0].node = 7;
   CHECK(has(refused(unknown, {stiffness}), "7"));
   Observations reactions = of_oscillator(1.0);
-  reactions.reactions.push_back(row(0.5, 0, {1, 0, 0}));
-  CHECK(has(refused(reactions, {stiffness}), "reaction forces"));
+  reactions.reactions.push_back(row(0.5, 1, {1, 0, 0}));
+  CHECK(has(refused(reactions, {stiffness}), "neither fixed nor moved"));
   CHECK(has(refused(of_oscillator(1.0), {}), "nothing to be learned"));
   Learnable outside = stiffness;
   outside.lower = 10.0;

@@ -144,6 +144,53 @@ TEST_CASE("learn goes on with --resume, to the same files") {
   }
 }
 
+TEST_CASE("learn finds fields, masses and loads from the tables of motion and reactions of a run") {
+  const TemporaryFolder folder;
+  const auto pushed = [](double stiffness, double force) {
+    return bar(stiffness, 3) + "reactions = true\n[[force]]\nforce = [" + std::to_string(force) +
+           ", 0, 0]\nselect = { body = \"bar\", box = { min = [-1, -1, -0.1], max = [2, 2, 0.1] } }\n";
+  };
+  folder.write("real.toml", pushed(400, 3));
+  folder.write("guess.toml", pushed(250, 2));
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  const Answer answer = testing::springnet(folder,
+                                           "learn guess.toml --observations seen/trajectory.csv seen/reactions.csv "
+                                           "--parameters spring.stiffness:field=1,mass:together,load@0 -o out");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  CHECK(has(answer.out, "10 variables from "));
+  CHECK(has(answer.out, "greatest of the field"));
+  CHECK(has(answer.out, "load of load 0"));
+  const auto json = testing::read_json(folder.path() / "out/learning.json");
+  CHECK(json["undetermined_directions"] == 0);
+  for (const auto& each : json["parameters"]) {
+    const bool is_field = each["kind"] == "spring";
+    CHECK(each.contains("variables") == is_field);
+    CHECK(each["value"].get<double>() == doctest::Approx(is_field                 ? 400.0
+                                                         : each["kind"] == "mass" ? 2.0
+                                                                                  : 1.5)
+                                             .epsilon(1e-6));
+  }
+  CHECK(has(testing::read_text(folder.path() / "out/learned.toml"), "[[force]]"));
+  // Points of the surface, from the positions without their nodes.
+  std::string points = "time,x,y,z\n";
+  const std::string table = testing::read_text(folder.path() / "seen/trajectory.csv");
+  for (std::size_t line = table.find('\n') + 1; line < table.size(); line = table.find('\n', line) + 1) {
+    const std::size_t node = table.find(',', line), x = table.find(',', node + 1);
+    std::size_t end = x;
+    for (int cell = 0; cell < 3; ++cell) end = table.find(',', end + 1);
+    points += table.substr(line, node - line) + table.substr(x, end - x) + "\n";
+  }
+  folder.write("scan.csv", points);
+  const Answer scanned = testing::springnet(folder,
+                                            "learn guess.toml --observations scan.csv "
+                                            "--parameters spring.stiffness:together,load --json -o scanned");
+  CAPTURE(scanned.err);
+  REQUIRE(scanned.status == 0);
+  for (const auto& each : scanned.json()["parameters"])
+    CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 400.0 : 1.5).epsilon(1e-6));
+}
+
 TEST_CASE("learn refuses observations and selections with what is wrong, and where") {
   const TemporaryFolder folder;
   folder.write("bar.toml", bar(250, 1));
@@ -178,7 +225,8 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"good.csv --parameters mass --starts 0", "--starts"},
         Wrong{"good.csv --parameters mass --starts 2 --method online", "--starts is of --method trajectory"},
         Wrong{"good.csv --parameters mass --resume", "learning.state: there is none"},
-        Wrong{"seen.csv", "--parameters is required"}}) {
+                Wrong{"seen.csv --parameters mass:field=two", "the degree of a field"},
+        Wrong{"seen.csv --parameters load", "there are no loads"}, Wrong{"seen.csv", "--parameters is required"}}) {
     CAPTURE(wrong.arguments);
     const Answer answer = testing::springnet(folder, std::string("learn bar.toml --observations ") + wrong.arguments);
     CAPTURE(answer.err);

@@ -28,11 +28,19 @@ struct Learnable {
   // Beside the bounds of the law's or neuron's metadata; masses and rest lengths stay above 0. Values that have to are
   // searched by their logarithm, others as they are: forces of most laws are linear in them.
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  // 0 or above: a smooth field. The variables are coefficients of Bernstein polynomials of this degree in each
+  // direction over the box of the members' places at the start (of nodes, middles of springs, centroids of elements).
+  // Values are their start times the field, or its exponential where they are searched by their logarithm; if some
+  // start at 0, or have another sign, the field is added. Bounds of all values hold for each coefficient: a field stays
+  // between its least and greatest one. Start velocities have a field for each axis. Not together with `together`.
+  int field_degree = -1;
 };
 
 // "spring.stiffness", "viscosity.damping", "element.spring.stiffness", "element.viscosity.damping", "neuron.drag",
 // "rest_length", "reference", "mass", "velocity" (of nodes that are not fixed), of all or, "mass@NAME", of a body; each
-// by itself or, "mass:together", as one. Throws Error(input) that tells what there is.
+// by itself, or, "mass:together", as one, or, "mass:field=2", as a field of this degree (masses then of fixed nodes,
+// too: their weight is part of their reactions); "load" or, "load@2", one by its number. Throws Error(input) that tells
+// what there is.
 [[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
                                                        std::string_view text);
 
@@ -106,12 +114,14 @@ struct LearnedParameter {
   std::string parameter;     // as of LearnedValues
   std::uint32_t member = 0;  // spring, element or node
   int axis = -1;             // of an initial velocity
-  std::size_t variable = 0;  // which drives it: values of one variable are learned together
+  // Which drive it, one after another: values of the same one are learned together, those of several in a field.
+  std::size_t variable = 0, variables = 1;
   double start = 0.0, value = 0.0;
   // 95 % confidence interval, from the residuals that are left; infinite where the data determine nothing.
   double lower = 0.0, upper = 0.0;
   bool at_bound = false;
-  // Share of the variable that the data determine, 1 to 0: what is missing lies in combinations that they do not.
+  // Share of the variable that the data determine, 1 to 0: what is missing lies in combinations that they do not; of
+  // the combination of variables that the value of a field is.
   double determined = 1.0;
   // Estimate of what half the time step would add to the value: the share of the method's error in it.
   double by_time_step = 0.0;

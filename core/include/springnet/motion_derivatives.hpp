@@ -31,17 +31,18 @@ struct LearnedValues {
     rest_length,          // m, of springs; references of elements
     mass,                 // kg, of nodes
     neuron_parameter,     // of the neurons of nodes
-    initial_velocity      // m/s, of nodes
+    initial_velocity,     // m/s, of nodes
+    load                  // factors of loads of the network, which multiply their forces, tractions and pressures
   };
   Kind kind = Kind::spring_parameter;
   bool of_elements = false;            // in place of springs
   std::string parameter;               // its name; of masses, rest lengths and velocities: empty
-  std::vector<std::uint32_t> members;  // springs, elements or nodes: the user's numbers
+  std::vector<std::uint32_t> members;  // springs, elements, nodes or loads: the user's numbers
 };
 
-// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity"
+// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity", "load"
 [[nodiscard]] SPRINGNET_API std::string_view name_of(LearnedValues::Kind kind) noexcept;
-// "node", "spring" or "element"
+// "node", "spring", "element" or "load"
 [[nodiscard]] SPRINGNET_API std::string_view member_name(LearnedValues::Kind kind, bool of_elements) noexcept;
 
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of

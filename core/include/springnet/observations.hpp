@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -51,13 +52,16 @@ struct SPRINGNET_API Observations {
   std::vector<VectorRow> positions, velocities, reactions;
   std::vector<DistanceRow> distances;
   std::vector<SurfacePoint> surface_points;
+  // m: points of the surface that are farther from it count by their distance, in place of its square (P. J. Huber,
+  // Ann. Math. Statist. 35, 1964), so that wrong ones do not outweigh the others.
+  double outlier_distance = std::numeric_limits<double>::infinity();
   std::vector<File> files;
 
   // Times at which something is observed, s, ascending, each once.
   [[nodiscard]] std::vector<double> times() const;
   // Values with a weight above 0: each component of a vector, each distance, each surface point.
   [[nodiscard]] std::size_t value_count() const noexcept;
-  // Adds the rows of another table of the same experiment.
+  // Adds the rows of another table of the same experiment. The lesser distance of outliers counts.
   void append(Observations other);
   // "camera.csv:12" or "trajectory.bin: record 3"; empty for a row without a file.
   [[nodiscard]] std::string text_of(const Place& place) const;

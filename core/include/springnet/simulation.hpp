@@ -350,6 +350,10 @@ class SPRINGNET_API Simulation {
   // Sets a force on a node, N, in addition to the scene's loads, until it is set again.
   void set_force(NodeIndex node, const Vector3& force);
   void set_gravity(const Vector3& acceleration);
+  // From now on a load of the network, by its number there, acts with this multiple of its forces, tractions and
+  // pressures. Throw Error(input) if there is none, or the factor is not finite.
+  void set_load_factor(std::size_t load, double factor);
+  [[nodiscard]] double load_factor(std::size_t load) const;
   // From now on the input signal has this value, in the unit that laws declare, in place of its course: by its number
   // in the network, or its name. Throw Error(input) if there is none, or the value is out of the laws' bounds.
   void set_input(InputIndex input, double value);
