@@ -182,7 +182,7 @@ TEST_CASE("a large problem with bounds is solved by products and gradients, to t
     }
     CHECK(held > count / 4);
     CHECK(held < count);
-    if (method.search == lbfgs) CHECK(found.history.size() < 60);
+    if (method.search == lbfgs) CHECK(found.history.size() < 30);
   }
 }
 
