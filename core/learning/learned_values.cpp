@@ -251,6 +251,29 @@ std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
   return result;
 }
 
+std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::VectorXd& change,
+                                                             std::vector<std::vector<double>>& values) const {
+  std::vector<springnet_parameter_set> result;
+  values.clear();
+  for (const Set& set : sets_) {
+    if (set.is_velocity() || set.is_load()) continue;
+    std::vector<double>& own = values.emplace_back(set.values.size(), 0.0);
+    bool changes = false;
+    for (std::size_t i = 0; i < set.places.size(); ++i) {
+      own[set.places[i]] = change[static_cast<Eigen::Index>(set.first + i)];
+      changes = changes || own[set.places[i]] != 0.0;
+    }
+    if (!changes) continue;
+    auto each = sdk::sized<springnet_parameter_set>();
+    each.kind = host_kind(set.what.kind);
+    each.of_elements = set.what.of_elements ? 1 : 0;
+    if (!set.what.parameter.empty()) each.parameter = set.what.parameter.c_str();
+    each.values = own.data();  // stays, as the numbers of a vector that is moved do
+    result.push_back(each);
+  }
+  return result;
+}
+
 // Loads are linear in their factors, and accelerations in forces.
 Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
                                      std::uint32_t load) {

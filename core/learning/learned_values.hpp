@@ -31,6 +31,9 @@ class LearnedSets {
   void set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const;
   void set(Engine& engine, const Eigen::VectorXd& values) const;
 
+  // A change of the values as sets of the host; `values` holds those of the sets.
+  [[nodiscard]] std::vector<springnet_parameter_set> sets_along(const Eigen::VectorXd& change,
+                                                                std::vector<std::vector<double>>& values) const;
   // Changes of accelerations, [3 node], for that of the values; and of internal states at the end of a step, null: not
   // wanted.
   void tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,

@@ -35,6 +35,7 @@ void add_all(CLI::App& app, Action& action) {
   add_run(app, action);
   add_validate(app, action);
   add_learn(app, action);
+  add_sensitivity(app, action);
   add_inspect(app, action);
   add_convert(app, action);
   add_plugin(app, action);

@@ -18,6 +18,7 @@ void add_new(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);
 void add_learn(CLI::App& app, Action& action);
+void add_sensitivity(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_plugin(CLI::App& app, Action& action);

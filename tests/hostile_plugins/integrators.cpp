@@ -75,8 +75,19 @@ springnet_status advance(void* integrator, const springnet_advance* request) {
   return step(static_cast<Instance*>(integrator)->host, request->until, request->report, misbehave);
 }
 
-constexpr springnet_integrator implementation{
-    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr, nullptr, nullptr, nullptr};
+constexpr springnet_integrator implementation{sizeof(springnet_integrator),
+                                              0,
+                                              nullptr,
+                                              create,
+                                              destroy,
+                                              advance,
+                                              nullptr,
+                                              nullptr,
+                                              nullptr,
+                                              nullptr,
+                                              nullptr,
+                                              nullptr,
+                                              nullptr};
 constexpr springnet_component component{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "hostile", "", "", 0, 0, 0, 0, nullptr, &implementation};
 constexpr const springnet_component* components[] = {&component};

@@ -29,10 +29,32 @@ springnet_status destroy(void*) { return SPRINGNET_OK; }
 springnet_status advance(void*, const springnet_advance*) { return SPRINGNET_FAILED; }
 springnet_status limits(void*, const springnet_limits* sink) { return told(*sink); }
 
-constexpr springnet_integrator functions{
-    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, limits, nullptr, nullptr, nullptr, nullptr};
-constexpr springnet_integrator functions_without{
-    sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr, nullptr, nullptr, nullptr};
+constexpr springnet_integrator functions{sizeof(springnet_integrator),
+                                         0,
+                                         nullptr,
+                                         create,
+                                         destroy,
+                                         advance,
+                                         limits,
+                                         nullptr,
+                                         nullptr,
+                                         nullptr,
+                                         nullptr,
+                                         nullptr,
+                                         nullptr};
+constexpr springnet_integrator functions_without{sizeof(springnet_integrator),
+                                                 0,
+                                                 nullptr,
+                                                 create,
+                                                 destroy,
+                                                 advance,
+                                                 nullptr,
+                                                 nullptr,
+                                                 nullptr,
+                                                 nullptr,
+                                                 nullptr,
+                                                 nullptr,
+                                                 nullptr};
 constexpr springnet_component teller{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "teller", "", "", 0, 0, 0, 0, nullptr, &functions};
 constexpr springnet_component silent{

@@ -1,12 +1,15 @@
-// The blocks of core/docs/learning.md.
+// The blocks of core/docs/learning.md and sensitivity.md.
 
 #include <doctest/doctest.h>
+
+#include <springnet/sensitivities.hpp>
 
 #include "learning_nets.hpp"
 
 namespace {
 #include "gradient.inl"
 #include "learning.inl"
+#include "reach.inl"
 }  // namespace
 
 using namespace springnet;
@@ -36,4 +39,17 @@ TEST_CASE("the blocks of the page do what they say") {
     return motion.positions(motion.step_count())(2, 5);
   };
   CHECK(own == doctest::Approx((height(1.001) - height(0.999)) / 0.002).epsilon(1e-5));
+  // Of the same motion with another mass, in CVODE.
+  const auto at_end = [&](double mass) {
+    Network heavier = other;
+    Node node = heavier.nodes()[3];
+    node.mass = mass;
+    heavier.set_node(3, node);
+    Simulation run = simulate(heavier, cvode(1e-11), 1.5);
+    run.step();
+    return run.position(4);
+  };
+  const Vector3 difference = (at_end(1.01) - at_end(0.99)) / 0.02;  // good to 1e-4 of it
+  CHECK(difference.norm() > 1e-3);
+  CHECK((change_of_top(guess, plugins(), 4, 1.5) - difference).norm() < 3e-4 * difference.norm());
 }

@@ -51,8 +51,19 @@ struct Sample {
     return result;
   }();
   springnet_neuron_model neuron{sizeof(springnet_neuron_model), 0, nullptr, evaluate_neuron};
-  springnet_integrator integrator{
-      sizeof(springnet_integrator), 0, nullptr, create, destroy, advance, nullptr, nullptr, nullptr, nullptr, nullptr};
+  springnet_integrator integrator{sizeof(springnet_integrator),
+                                  0,
+                                  nullptr,
+                                  create,
+                                  destroy,
+                                  advance,
+                                  nullptr,
+                                  nullptr,
+                                  nullptr,
+                                  nullptr,
+                                  nullptr,
+                                  nullptr,
+                                  nullptr};
   springnet_component components[3] = {
       {sizeof(springnet_component), SPRINGNET_SPRING_FUNCTION, "law", "", "", 0, 0, 0, 2, law_parameters, &law},
       {sizeof(springnet_component), SPRINGNET_NEURON, "neuron", "", "", 0, 0, 0, 0, nullptr, &neuron},

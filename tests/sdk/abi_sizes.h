@@ -83,7 +83,11 @@
   check(springnet_host, view_scalars, 336)                       \
   check(springnet_byte_sink, write, 24)                          \
   check(springnet_bytes, count, 24)                              \
-  check(springnet_integrator, interpolate, 80)
+  check(springnet_integrator, interpolate, 80)                   \
+  check(springnet_integrator, sensitivity, 96)                   \
+  check(springnet_sensitivity, scale, 40)                        \
+  check(springnet_sensitivities, columns, 16)                    \
+  check(springnet_sensitivity_values, velocity, 24)
 /* clang-format on */
 
 #ifdef __cplusplus

@@ -436,6 +436,26 @@ class Limited : public Integrator {
   }
 };
 
+// Answers the sum of all scales, and the number of the column.
+class Differentiating : public Integrator {
+ public:
+  static constexpr const char* id = "differentiating";
+  static constexpr const char* summary = "";
+  Differentiating(Host, Options) {}
+  springnet_status advance(double, springnet_step_report&) { return SPRINGNET_OK; }
+  void begin_sensitivities(std::span<const springnet_sensitivity* const> columns) {
+    for (const springnet_sensitivity* const each : columns) sum_ += each->scale;
+  }
+  void sensitivity(std::uint32_t column, double* position, double* velocity) const {
+    if (column > 1) throw Failure("there are two");
+    *position = sum_;
+    *velocity = column;
+  }
+
+ private:
+  double sum_ = 0.0;
+};
+
 }  // namespace
 
 TEST_CASE("an integrator class with limits() reports them; one without has no such function") {
@@ -461,6 +481,36 @@ TEST_CASE("an integrator class with limits() reports them; one without has no su
   Limited::fails = false;
   CHECK(std::string(host.text.text) == "no derivatives");
   CHECK(limited.destroy(integrator) == SPRINGNET_OK);
+}
+
+TEST_CASE("an integrator class with sensitivities takes columns and answers them; one without has no such functions") {
+  const bool has_none = functions.begin_sensitivities == nullptr && functions.sensitivity == nullptr;
+  CHECK(has_none);
+  const auto& table = *static_cast<const springnet_integrator*>(ComponentEntry<Differentiating>::value.implementation);
+  const bool has_both = table.begin_sensitivities != nullptr && table.sensitivity != nullptr;
+  REQUIRE(has_both);
+  FakeHost host;
+  void* integrator = nullptr;
+  REQUIRE(create(table, host, integrator, 0) == SPRINGNET_OK);
+  auto column = sized<springnet_sensitivity>();
+  column.scale = 2.5;
+  const springnet_sensitivity* const columns[] = {&column, &column};
+  auto request = sized<springnet_sensitivities>();
+  request.count = 2;
+  request.columns = columns;
+  CHECK(table.begin_sensitivities(integrator, &request) == SPRINGNET_OK);
+  double position = 0.0, velocity = 0.0;
+  auto values = sized<springnet_sensitivity_values>();
+  values.column = 1;
+  values.position = &position;
+  values.velocity = &velocity;
+  CHECK(table.sensitivity(integrator, &values) == SPRINGNET_OK);
+  CHECK(position == 5.0);
+  CHECK(velocity == 1.0);
+  values.column = 2;
+  CHECK(table.sensitivity(integrator, &values) == SPRINGNET_FAILED);
+  CHECK(std::string(host.text.text) == "there are two");
+  CHECK(table.destroy(integrator) == SPRINGNET_OK);
 }
 
 TEST_CASE("a failed host call becomes an exception, and its status that of advance") {

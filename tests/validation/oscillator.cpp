@@ -67,6 +67,8 @@ constexpr springnet_integrator idle_functions{
     nullptr,
     nullptr,
     nullptr,
+    nullptr,
+    nullptr,
     nullptr};
 constexpr springnet_component idle{
     sizeof(springnet_component), SPRINGNET_INTEGRATOR, "idle", "", "", 0, 0, 0, 0, nullptr, &idle_functions};

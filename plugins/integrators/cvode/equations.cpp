@@ -115,6 +115,30 @@ int Equations::jacobian_times(const double* dp, const double* dv, double* out) n
   });
 }
 
+int Equations::change_rate(double time, N_Vector y, std::span<const springnet_parameter_set* const> sets,
+                           const double* change, double* rate) noexcept {
+  return guarded([&] {
+    const std::size_t n = node_count();
+    const double* const velocity = change + 3 * n;
+    double* const acceleration = rate + 3 * n;
+    std::copy_n(velocity, 3 * n, rate);
+    std::fill_n(acceleration, 3 * n, 0.0);
+    if (!sets.empty()) {
+      const springnet_evaluation evaluation = at(time, y);
+      ++work_.parameter_products;
+      host_.parameter_tangent(evaluation, sets, {nullptr, acceleration, nullptr});
+    }
+    by_state_.resize(3 * n);
+    ++work_.jacobian_products;
+    host_.jacobian_times(change, velocity, by_state_.data());
+    for (std::size_t i = 0; i < 3 * n; ++i) acceleration[i] += by_state_[i];
+    const springnet_network& network = host_.network();
+    for (std::size_t k = 0; k < n; ++k)  // their motion is given
+      if (network.fixed[k] != 0 || network.held[k] != 0)
+        for (std::size_t i = k; i < 6 * n; i += n) rate[i] = 0.0;
+  });
+}
+
 int Equations::factorise(double gamma) noexcept {
   return guarded([&] { host_.factorise(gamma, gamma * gamma); });
 }

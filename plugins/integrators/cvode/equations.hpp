@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <springnet/sdk/host.hpp>
@@ -41,6 +42,10 @@ class Equations {
                       double* acceleration) noexcept;
   // out = da/dp dp + da/dv dv, 3 node_count numbers each.
   int jacobian_times(const double* dp, const double* dv, double* out) noexcept;
+  // rate = df/dy change + df/d(values of the sets) along theirs, at (time, y), where the derivatives of the last
+  // linearise() are. Without internal states.
+  int change_rate(double time, N_Vector y, std::span<const springnet_parameter_set* const> sets, const double* change,
+                  double* rate) noexcept;
   // Matrix I - gamma da/dv - gamma^2 da/dp.
   int factorise(double gamma) noexcept;
   int solve(const double* right_side, double* x) noexcept;
@@ -73,6 +78,7 @@ class Equations {
     std::uint64_t evaluations = 0;  // of all springs
     std::uint64_t linearisations = 0;
     std::uint64_t jacobian_products = 0;
+    std::uint64_t parameter_products = 0;
     std::uint64_t event_evaluations = 0;
     std::uint64_t projections = 0;
   };
@@ -92,6 +98,7 @@ class Equations {
   Tolerances tolerances_{};
   springnet_internal internal_{};  // of the last at()
   std::vector<double> bounded_;    // [internal_count]
+  std::vector<double> by_state_;   // [3 node], of change_rate()
   std::vector<std::int32_t> event_directions_;
   std::optional<sdk::Failure> failure_;
   Work work_;

@@ -84,7 +84,8 @@ ReferenceIntegrator::ReferenceIntegrator(const sdk::Host& host, const Settings& 
     : host_(host),
       settings_(settings),
       equations_(host),
-      callbacks_{equations_, nullptr},
+      sensitivities_(equations_),
+      callbacks_{equations_, &sensitivities_, nullptr},
       last_event_time_(-std::numeric_limits<double>::infinity()) {
   if (settings.method == Method::bdf && settings.max_order > 5) {
     throw sdk::Failure("cvode: max_order is at most 5 for method \"bdf\", is " + std::to_string(settings.max_order));
@@ -106,7 +107,9 @@ void ReferenceIntegrator::require_memory() const {
   // 13 for the orders of Adams, weights, corrections, and those of the fixed-point solver.
   constexpr std::size_t vectors_of_cvode = 30;
   constexpr std::size_t vectors_of_krylov = 46;
-  std::vector<Vector> vectors(vectors_of_cvode + (linear_solver() == LinearSolverKind::krylov ? vectors_of_krylov : 0));
+  constexpr std::size_t vectors_of_a_sensitivity = 20;
+  std::vector<Vector> vectors(vectors_of_cvode + vectors_of_a_sensitivity * sensitivities_.count() +
+                              (linear_solver() == LinearSolverKind::krylov ? vectors_of_krylov : 0));
   const auto size = static_cast<sunindextype>(6 * equations_.node_count());
   for (Vector& vector : vectors) vector = make_vector(size, context_);
 }
@@ -132,6 +135,7 @@ void ReferenceIntegrator::create(double time) {
       if (!fixed_point_) throw std::bad_alloc();
       check(CVodeSetNonlinearSolver(memory, fixed_point_.get()));
   }
+  sensitivities_.attach(memory, linear_solver() == LinearSolverKind::none, context_);
   if (settings_.max_order > 0) check(CVodeSetMaxOrd(memory, settings_.max_order));
   if (settings_.max_step > 0.0) check(CVodeSetMaxStep(memory, settings_.max_step));
   check(CVodeSetMaxErrTestFails(memory, max_shortenings));
@@ -145,6 +149,7 @@ void ReferenceIntegrator::create(double time) {
 void ReferenceIntegrator::restart(double time, const springnet_state& state, double stop) {
   const springnet_network& network = host_.network();
   const std::size_t n = network.node_count;
+  require_differentiable(time);
   if (!y_) {
     for (Vector* vector : {&y_, &rate_, &probe_, &probe_rate_}) {
       *vector = make_vector(static_cast<sunindextype>(equations_.size()), context_);
@@ -166,6 +171,7 @@ void ReferenceIntegrator::restart(double time, const springnet_state& state, dou
     total_ += counters();
     ++restarts_;
     check(CVodeReInit(memory_.get(), time, y_.get()));
+    sensitivities_.restart(memory_.get());
   }
   bind(network);
   check(CVodeSetInitStep(memory_.get(), first_step(time, stop)));
@@ -333,6 +339,7 @@ void ReferenceIntegrator::step_towards(double until) {
   if (event) {
     fire_events(reached);
   } else {
+    sensitivities_.keep(memory, target);
     commit(target);
     if (target == stop) restart_ = true;
   }
@@ -411,8 +418,33 @@ void ReferenceIntegrator::interpolate(double time, const springnet_vectors& posi
   unpack(y.data(), position, velocity, n);
 }
 
+void ReferenceIntegrator::begin_sensitivities(std::span<const springnet_sensitivity* const> columns) {
+  if (!columns.empty() && equations_.internal_count() > 0)
+    throw sdk::Failure("cvode has no sensitivities of laws with internal states");
+  if (!columns.empty() && host_.network().rigid_count > 0)
+    throw sdk::Failure("cvode has no sensitivities of networks with rigid connections");
+  forget();
+  sensitivities_.begin(columns, context_);
+}
+
+// Contact makes the motion of a node depend on where the surface is, and sudden changes of velocities on when.
+void ReferenceIntegrator::require_differentiable(double time) const {
+  if (!sensitivities_.any()) return;
+  const springnet_network& network = host_.network();
+  for (std::size_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
+    if (network.touching[k] != 0) refuse_event("contact", time);
+}
+
+void ReferenceIntegrator::refuse_event(const char* what, double time) {
+  std::ostringstream text;
+  text.precision(9);
+  text << "cvode has no sensitivities of a motion with " << what << ", which there is at " << time << " s";
+  throw sdk::Failure(text.str());
+}
+
 // Carries out the events marked in fired_, on state_, and commits it.
 void ReferenceIntegrator::fire_events(double time) {
+  if (sensitivities_.any()) refuse_event("contact or ruptures", time);
   events_at_once_ = same_time(time, last_event_time_, root_accuracy) ? events_at_once_ + 1 : 0;
   last_event_time_ = time;
   if (events_at_once_ > max_events_at_once + fired_.size()) {
@@ -439,52 +471,6 @@ void ReferenceIntegrator::fail(int flag, double time) const {
   CVodeGetLastStep(memory_.get(), &facts.last_step);
   if (const auto& failure = equations_.failure()) facts.reason = failure->what();
   throw sdk::Failure(failure_text(facts, settings_));
-}
-
-Counters ReferenceIntegrator::counters() const {
-  Counters result;
-  void* memory = memory_.get();
-  if (memory == nullptr) return result;
-  CVodeGetNumSteps(memory, &result.internal_steps);
-  CVodeGetNumLinSolvSetups(memory, &result.linear_setups);
-  CVodeGetNumNonlinSolvIters(memory, &result.nonlinear_iterations);
-  CVodeGetNumNonlinSolvConvFails(memory, &result.convergence_failures);
-  CVodeGetNumErrTestFails(memory, &result.error_test_failures);
-  if (callbacks_.newton) CVodeGetNumLinIters(memory, &result.krylov_iterations);
-  return result;
-}
-
-long ReferenceIntegrator::internal_steps() const { return total_.internal_steps + counters().internal_steps; }
-
-// What has come since the last report is added to what the host has, of the whole run.
-void ReferenceIntegrator::report_statistics() {
-  Counters sum = total_;
-  sum += counters();
-  const Equations::Work& work = equations_.work();
-  const auto count = [this](const char* name, auto total) {
-    double& before = reported_[name];
-    host_.count(name, static_cast<double>(total) - before);
-    before = static_cast<double>(total);
-  };
-  count("internal_steps", sum.internal_steps);
-  count("rhs_evaluations", work.evaluations);
-  count("linear_setups", sum.linear_setups);
-  count("linearisations", work.linearisations);
-  count("jacobian_products", work.jacobian_products);
-  count("krylov_iterations", sum.krylov_iterations);
-  count("nonlinear_iterations", sum.nonlinear_iterations);
-  count("convergence_failures", sum.convergence_failures);
-  count("error_test_failures", sum.error_test_failures);
-  count("root_evaluations", work.event_evaluations);
-  if (projects_) count("projections", work.projections);
-  count("restarts", restarts_);
-  if (!memory_) return;
-  double last_step = 0.0;
-  int order = 0;
-  CVodeGetLastStep(memory_.get(), &last_step);
-  CVodeGetLastOrder(memory_.get(), &order);
-  host_.report("last_step_s", last_step);
-  host_.report("order", order);
 }
 
 }  // namespace springnet::cvode

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "dense_output.hpp"
 #include "equations.hpp"
 #include "linear_solver.hpp"
+#include "sensitivities.hpp"
 #include "settings.hpp"
 #include "sundials.hpp"
 
@@ -34,6 +36,13 @@ class ReferenceIntegrator {
   void forget();
   // The state at a time within the last advance(); throws sdk::Failure at others, and without the setting for it.
   void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity) const;
+  // From the committed state on, the motion is differentiated by these; none: no longer. advance() fails at events,
+  // which derivatives do not go through. Throws sdk::Failure for rigid connections and laws with internal states.
+  void begin_sensitivities(std::span<const springnet_sensitivity* const> columns);
+  // Of the committed state.
+  void sensitivity(std::uint32_t column, double* position, double* velocity) const {
+    sensitivities_.read(column, position, velocity);
+  }
 
  private:
   [[nodiscard]] LinearSolverKind linear_solver() const;
@@ -57,6 +66,8 @@ class ReferenceIntegrator {
   void return_to(double time);
   [[nodiscard]] bool mark_past_events() noexcept;
   void fire_events(double time);
+  void require_differentiable(double time) const;
+  [[noreturn]] static void refuse_event(const char* what, double time);
   void commit(double time);
   void check(int status) const;
   [[noreturn]] void fail(int flag, double time) const;
@@ -68,6 +79,7 @@ class ReferenceIntegrator {
   Settings settings_;
   Equations equations_;
   Context context_;
+  Sensitivities sensitivities_;
   Callbacks callbacks_;
   NonlinearSolver fixed_point_;
   Vector y_;

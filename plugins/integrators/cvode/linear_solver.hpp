@@ -24,9 +24,12 @@ class NewtonSystem {
   virtual ~NewtonSystem() = default;
 };
 
+class Sensitivities;
+
 // User data of CVODE's memory.
 struct Callbacks {
   Equations& equations;
+  Sensitivities* sensitivities;
   std::unique_ptr<NewtonSystem> newton;
 };
 

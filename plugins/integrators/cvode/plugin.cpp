@@ -1,3 +1,6 @@
+#include <cstdint>
+#include <span>
+
 #include <springnet/sdk/integrator.hpp>
 
 #include "integrator.hpp"
@@ -55,6 +58,12 @@ class Cvode : public Integrator {
   void forget() { integrator_.forget(); }
   void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity) {
     integrator_.interpolate(time, position, velocity);
+  }
+  void begin_sensitivities(std::span<const springnet_sensitivity* const> columns) {
+    integrator_.begin_sensitivities(columns);
+  }
+  void sensitivity(std::uint32_t column, double* position, double* velocity) const {
+    integrator_.sensitivity(column, position, velocity);
   }
   void limits(const LimitSink& sink) { sink.none("", "it divides time steps by its error test"); }
 

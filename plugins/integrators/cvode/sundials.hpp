@@ -11,7 +11,7 @@
 #include <string>
 #include <type_traits>
 
-#include <cvode/cvode.h>
+#include <cvodes/cvodes.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_config.h>
 #include <sunlinsol/sunlinsol_spgmr.h>

@@ -1,5 +1,6 @@
 // The plugin alone, in a small host.
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>

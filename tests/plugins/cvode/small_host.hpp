@@ -93,6 +93,32 @@ class SmallHost {
     request.report = &report;
     return description().advance(integrator_, &request) == SPRINGNET_OK ? "" : message_.text;
   }
+  // The same of sensitivities by the start, a column for each change of it, with errors as for a change by 1.
+  std::string begin_sensitivities(const std::vector<std::pair<Vector, Vector>>& changes, double scale = 1.0) {
+    std::vector<springnet_sensitivity> columns;
+    for (const auto& [p, v] : changes) {
+      columns.push_back(sized<springnet_sensitivity>());
+      columns.back().position = p.data();
+      columns.back().velocity = v.data();
+      columns.back().scale = scale;
+    }
+    std::vector<const springnet_sensitivity*> pointers;
+    for (const springnet_sensitivity& each : columns) pointers.push_back(&each);
+    auto request = sized<springnet_sensitivities>();
+    request.count = static_cast<std::uint32_t>(pointers.size());
+    request.columns = pointers.data();
+    message_ = {};
+    return description().begin_sensitivities(integrator_, &request) == SPRINGNET_OK ? "" : message_.text;
+  }
+  // Of positions, then of velocities; empty if there is no such column.
+  Vector sensitivity(std::uint32_t column) {
+    Vector result(2 * size_);
+    auto request = sized<springnet_sensitivity_values>();
+    request.column = column;
+    request.position = result.data();
+    request.velocity = result.data() + size_;
+    return description().sensitivity(integrator_, &request) == SPRINGNET_OK ? result : Vector();
+  }
   springnet_step_report report{};
   springnet_network& network() { return network_; }
   const Vector& position() const { return committed_->p; }

@@ -206,6 +206,12 @@ class Host {
     require(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_tangent), "parameter_tangent");
     parameter_product(table_->parameter_tangent, at, sets, out);
   }
+  // The same with sets that the host gave, as those of springnet_sensitivity.
+  void parameter_tangent(const springnet_evaluation& at, std::span<const springnet_parameter_set* const> sets,
+                         const ParameterArrays& out) const {
+    require(SPRINGNET_HAS_FIELD(springnet_host, table_, parameter_tangent), "parameter_tangent");
+    parameter_product(table_->parameter_tangent, at, sets, out);
+  }
   // values += (d(weighted)/d(values))^T weights; the weights are only read.
   void parameter_cotangent(const springnet_evaluation& at, std::span<const ParameterSet> sets,
                            const ParameterArrays& weights) const {
@@ -553,10 +559,15 @@ class Host {
                          const springnet_evaluation& at, std::span<const ParameterSet> sets,
                          const ParameterArrays& arrays) const {
     const Sets list(*this, sets);
+    parameter_product(function, at, std::span<const springnet_parameter_set* const>(list.pointers), arrays);
+  }
+  void parameter_product(springnet_status (*function)(void*, const springnet_parameter_product*),
+                         const springnet_evaluation& at, std::span<const springnet_parameter_set* const> sets,
+                         const ParameterArrays& arrays) const {
     auto request = sized<springnet_parameter_product>();
-    request.set_count = static_cast<std::uint32_t>(list.pointers.size());
+    request.set_count = static_cast<std::uint32_t>(sets.size());
     request.at = &at;
-    request.sets = list.pointers.data();
+    request.sets = sets.data();
     request.force = arrays.force;
     request.acceleration = arrays.acceleration;
     request.internal = arrays.internal;

@@ -32,7 +32,11 @@
 //     void restore(std::span<const std::byte> bytes);      // takes it up again
 //     void interpolate(double time, const springnet_vectors& position, const springnet_vectors& velocity);
 //
-// The last one writes the state at a time within the last committed step, and throws Failure where it cannot.
+// The last one writes the state at a time within the last committed step, and throws Failure where it cannot. One that
+// differentiates the motion while it goes on (springnet_sensitivities) has both of
+//
+//     void begin_sensitivities(std::span<const springnet_sensitivity* const> columns);
+//     void sensitivity(std::uint32_t column, double* position, double* velocity) const;
 #pragma once
 
 #include <algorithm>
@@ -231,6 +235,27 @@ struct IntegratorGlue {
       return SPRINGNET_OK;
     });
   }
+  static springnet_status begin_sensitivities(void* integrator, const springnet_sensitivities* sensitivities) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (has_sensitivities)
+        instance.component.begin_sensitivities(std::span(sensitivities->columns, sensitivities->count));
+      return SPRINGNET_OK;
+    });
+  }
+  static springnet_status sensitivity(void* integrator, const springnet_sensitivity_values* values) noexcept {
+    auto& instance = *static_cast<Instance*>(integrator);
+    return guarded(instance.host, [&]() -> springnet_status {
+      if constexpr (has_sensitivities)
+        instance.component.sensitivity(values->column, values->position, values->velocity);
+      return SPRINGNET_OK;
+    });
+  }
+  static constexpr bool has_sensitivities =
+      requires(Component & component, std::span<const springnet_sensitivity* const> columns, double* out) {
+    component.begin_sensitivities(columns);
+    component.sensitivity(std::uint32_t{0}, out, out);
+  };
   static constexpr springnet_integrator implementation{sizeof(springnet_integrator),
                                                        0,
                                                        nullptr,
@@ -241,7 +266,9 @@ struct IntegratorGlue {
                                                        has_forget ? &forget : nullptr,
                                                        has_save ? &save : nullptr,
                                                        has_restore ? &restore : nullptr,
-                                                       has_interpolate ? &interpolate : nullptr};
+                                                       has_interpolate ? &interpolate : nullptr,
+                                                       has_sensitivities ? &begin_sensitivities : nullptr,
+                                                       has_sensitivities ? &sensitivity : nullptr};
 
  private:
   struct Instance {

@@ -93,6 +93,31 @@ typedef struct springnet_bytes {
   uint64_t count;
 } springnet_bytes;
 
+/* 2.1: what a motion is differentiated by: a scalar s that changes values of parameters and the committed state. */
+typedef struct springnet_sensitivity {
+  uint32_t struct_size;
+  uint32_t set_count;
+  const springnet_parameter_set* const* sets; /* values: d(values)/ds, which stay as they are while the column exists */
+  /* d(state)/ds at the committed state, [3 node_count], x of all nodes first; 0 of fixed nodes. Null: 0. Read within
+   * the call. */
+  const double *position, *velocity;
+  /* Size of a change of s, above 0: the errors of the changes that it causes are what the tolerances limit. */
+  double scale;
+} springnet_sensitivity;
+
+typedef struct springnet_sensitivities {
+  uint32_t struct_size;
+  uint32_t count; /* of columns; 0: no more sensitivities */
+  const springnet_sensitivity* const* columns;
+} springnet_sensitivities;
+
+/* Derivatives of the committed state by the scalar of one column. */
+typedef struct springnet_sensitivity_values {
+  uint32_t struct_size;
+  uint32_t column;
+  double *position, *velocity; /* out: [3 node_count], x of all nodes first */
+} springnet_sensitivity_values;
+
 /* All functions are called from the thread that created the integrator. Reasons of failure go to
  * springnet_host::message.
  */
@@ -123,6 +148,11 @@ typedef struct springnet_integrator {
   /* Positions and velocities at a time within the last step that it committed, [node_count] each. Fails at other times,
    * and where it has no interpolation, as at a step that ended with an event. */
   springnet_status (*interpolate)(void* integrator, const springnet_dense_output* output);
+  /* Forward sensitivities: from the committed state on, `advance` carries along the derivatives of the motion by these
+   * scalars, in place of those that it has. It fails where the motion has what the integrator cannot differentiate. */
+  springnet_status (*begin_sensitivities)(void* integrator, const springnet_sensitivities* sensitivities);
+  /* Those of the committed state; null where begin_sensitivities is, and only then. */
+  springnet_status (*sensitivity)(void* integrator, const springnet_sensitivity_values* values);
 } springnet_integrator;
 
 #ifdef __cplusplus
