@@ -11,27 +11,37 @@ namespace springnet::learning {
 class Certainty {
  public:
   // jacobian: of the residuals of the observations, by changes of the variables in units of `scale`. residuals: of the
-  // same rows.
-  Certainty(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals, std::size_t observed);
+  // same rows. guess_weight: of the squares of the variables' changes from the guess, in the same units.
+  Certainty(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals, std::size_t observed,
+            double guess_weight = 0.0);
 
   [[nodiscard]] const std::vector<double>& singular_values() const noexcept { return singular_values_; }
   // Directions without influence on anything that was observed.
   [[nodiscard]] std::size_t undetermined() const noexcept { return undetermined_; }
-  // Of a combination of the variables from `first` on, with these weights, in the units of the scale: the share of it
-  // that lies in directions with influence, 0 to 1.
+  // Those below are of a combination of the variables from `first` on, with these weights, in the units of the scale.
+  // The share of it that lies in directions with influence, 0 to 1.
   [[nodiscard]] double determined(Eigen::Index first, const Eigen::VectorXd& weights) const;
-  // Half the width of its 95 % confidence interval, of a linear model with the variance of the residuals that are left;
-  // infinite where a part is not determined, or nothing is left to estimate the variance from.
+  // Whether anything that was observed depends on one of the variables.
+  [[nodiscard]] bool has_influence(Eigen::Index first, const Eigen::VectorXd& weights) const;
+  // The share of it that comes from the guess: 1 less that of (J^T J + w)^-1 J^T J along the combination.
+  [[nodiscard]] double from_guess(Eigen::Index first, const Eigen::VectorXd& weights) const;
+  // The 95 % confidence interval of a linear model of the data alone, with the variance of the residuals that are left:
+  // its middle, from where the search has ended (0 without a guess), and half its width; infinite where a part is not
+  // determined, or nothing is left to estimate the variance from.
+  [[nodiscard]] double middle(Eigen::Index first, const Eigen::VectorXd& weights) const;
   [[nodiscard]] double half_width(Eigen::Index first, const Eigen::VectorXd& weights) const;
-  // The change of the variables that a change of the residuals means, in directions with influence.
+  // The change of the variables that a change of the residuals means, in directions with influence, with the guess.
   [[nodiscard]] Eigen::VectorXd change_for(const Eigen::VectorXd& residuals) const;
 
  private:
   std::vector<double> singular_values_;
   std::size_t undetermined_ = 0;
-  Eigen::MatrixXd inverse_;     // pseudo-inverse
+  Eigen::MatrixXd inverse_;     // of the sensitivities: the pseudo-inverse, damped by the guess
   Eigen::MatrixXd directions_;  // with influence: [variable][direction]
+  Eigen::VectorXd kept_;        // what the guess leaves to the data of each
+  Eigen::VectorXd middle_;
   Eigen::VectorXd widths_;  // half those of the intervals along them; no size: nothing to estimate the variance from
+  Eigen::Array<bool, Eigen::Dynamic, 1> has_influence_;
 };
 
 }  // namespace springnet::learning

@@ -46,12 +46,9 @@ void Fit::for_each_run(const Work& work) const {
 }
 
 Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
-         const std::vector<Learnable>& learnables, double guess_weight, unsigned threads, std::size_t memory)
-    : root_guess_weight_(std::sqrt(guess_weight)) {
+         const std::vector<Learnable>& learnables, double guess_weight, unsigned threads, std::size_t memory) {
   if (experiments.empty()) throw Error(ErrorKind::input, "learning: there is no experiment");
-  if (!(guess_weight >= 0.0) || !std::isfinite(guess_weight))
-    throw Error(ErrorKind::input,
-                fmt::format("learning: the weight of the guess is {}, must be 0 or more", guess_weight));
+  set_guess_weight(guess_weight);
   check_same_object(experiments);
   at_a_time_ = experiments_at_a_time(experiments, *plugins, threads);
   std::vector<double> durations;
@@ -83,6 +80,12 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     observed_ += experiments[k].observations.value_count();
     runs_.push_back({std::move(motions[k]), std::move(nets[k]), std::move(observed), first});
   }
+}
+
+void Fit::set_guess_weight(double weight) {
+  if (!(weight >= 0.0) || !std::isfinite(weight))
+    throw Error(ErrorKind::input, fmt::format("learning: the weight of the guess is {}, must be 0 or more", weight));
+  root_guess_weight_ = std::sqrt(weight);
 }
 
 bool Fit::run(const VectorXd& x) {

@@ -22,10 +22,16 @@ class Fit {
   Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
       const std::vector<Learnable>& learnables, double guess_weight, unsigned threads, std::size_t memory);
 
+  [[nodiscard]] double guess_weight() const noexcept { return root_guess_weight_ * root_guess_weight_; }
+  // Throws Error(input) unless it is 0 or more.
+  void set_guess_weight(double weight);
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
   // Of observations alone, before those of the guess.
   [[nodiscard]] Eigen::Index observation_rows() const noexcept { return rows_; }
+  [[nodiscard]] Eigen::Index rows() const noexcept {
+    return rows_ + (root_guess_weight_ > 0.0 ? variables_->count() : 0);
+  }
 
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
@@ -51,8 +57,8 @@ class Fit {
 
   std::vector<Run> runs_;
   std::unique_ptr<Variables> variables_;
-  double root_guess_weight_;
-  unsigned at_a_time_;  // experiments
+  double root_guess_weight_ = 0.0;
+  unsigned at_a_time_ = 1;  // experiments
   std::size_t observed_ = 0;
   Eigen::Index rows_ = 0;
   Eigen::VectorXd at_;  // of the motions; empty: one has failed

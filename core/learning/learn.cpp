@@ -10,8 +10,12 @@
 
 #include "learning/certainty.hpp"
 #include "learning/fit.hpp"
+#include "learning/guess_search.hpp"
+#include "learning/held_out.hpp"
 #include "learning/learned_values.hpp"
+#include "learning/many_variables.hpp"
 #include "learning/minimise.hpp"
+#include "learning/notes.hpp"
 #include "learning/result.hpp"
 #include "learning/search.hpp"
 #include "learning/search_journal.hpp"
@@ -65,11 +69,19 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
 
 }  // namespace
 
-LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
+LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shared_ptr<const PluginHost>& plugins,
                  const std::vector<Learnable>& learnables, const LearnOptions& options) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
   learning::check_starts(options);
-  learning::Fit fit(experiments, plugins, learnables, options.guess_weight, options.threads, options.memory);
+  learning::Judge judge(all_experiments, plugins, learnables, options);
+  const std::vector<Experiment> experiments = learning::learned_from(all_experiments);
+  const bool by_rule = options.guess_rule != GuessRule::given;
+  if (options.guess_rule == GuessRule::discrepancy && learning::have_plain_weights(experiments))
+    throw Error(ErrorKind::input,
+                "learning: the discrepancy rule compares differences with standard deviations, but all weights are 1; "
+                "give the observations standard deviations, or take the L-curve");
+  learning::Fit fit(experiments, plugins, learnables, by_rule ? 0.0 : options.guess_weight, options.threads,
+                    options.memory);
   const learning::Variables& variables = fit.variables();
   LearnedNet result;
   learning::SearchJournal journal(learning::identity_of(experiments, *plugins, learnables, options), options.state);
@@ -80,6 +92,16 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
                 "learning: the squares of the differences at the start are not finite: " +
                     (fit.why_failed().empty() ? "a value that was observed is too large" : fit.why_failed()));
   search.stages = std::max(1, options.stages);
+  double stage_weight = options.guess_weight, greatest_weight = 0.0;
+  if (by_rule) {
+    fit.linearise(variables.start());
+    constexpr Eigen::Index products = 8;  // enough for the size of the greatest value
+    const VectorXd greatest = learning::singular_values(fit, {products, 1, 1e-2}).values;
+    greatest_weight = greatest.size() > 0 ? greatest[0] * greatest[0] : 1.0;
+    // In units of standard deviations 1: values are known to a factor of e or so.
+    stage_weight = options.guess_rule == GuessRule::discrepancy ? 1.0 : 1e-4 * greatest_weight;
+  }
+  bool weight_is_found = !by_rule;  // the first start finds it for all, so that their costs can be compared
   const auto search_from = [&](const VectorXd& first) {
     VectorXd start = first;
     // What a stage has found may be worse than the start for what it has not seen.
@@ -90,7 +112,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
       const double share = std::ldexp(1.0, -stage);
       const std::vector<Experiment> part = first_part(experiments, share);
       if (part.empty()) continue;
-      learning::Fit fit_of_part(part, plugins, learnables, options.guess_weight, options.threads, options.memory);
+      learning::Fit fit_of_part(part, plugins, learnables, stage_weight, options.threads, options.memory);
       search.stage = search.stages - 1 - stage;
       start = search.run(fit_of_part, better(fit_of_part), share, false).x;
     }
@@ -99,10 +121,16 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
     found.reason = "It was stopped; the values are the best until then.";
     found.cost = 0.5 * fit.residuals(found.x).squaredNorm();
     search.stage = search.stages - 1;
-    return search.stopped ? found : search.run(fit, found.x, 1.0, true);
+    if (search.stopped) return found;
+    if (weight_is_found) return search.run(fit, found.x, 1.0, true);
+    learning::search_by_rule(search, fit, greatest_weight, result, found);
+    stage_weight = fit.guess_weight();
+    weight_is_found = true;
+    return found;
   };
   learning::Minimum minimum = search_from(variables.start());
   if (options.starts > 1) minimum = learning::best_of_starts(fit, search, std::move(minimum), search_from, result);
+  result.guess_weight = fit.guess_weight();
 
   result.parameters = learning::list_parameters(learnables);
   result.values = variables.values(minimum.x);
@@ -116,6 +144,7 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
   result.rms = learning::rms_of(residuals, fit.observed());
   fit.note_ruptures(result.notes);
+  judge.judge(minimum.x, result);
 
   const VectorXd& scale = variables.scale();
   const double numbers = static_cast<double>(variables.count()) * static_cast<double>(fit.observation_rows());
@@ -127,15 +156,18 @@ LearnedNet learn(const std::vector<Experiment>& experiments, const std::shared_p
                           "product with the observed values; these are {} and {:g}.",
                           most_with_intervals, learning::MinimiseOptions{}.most_numbers, variables.count(), numbers));
     learning::describe(result, variables, minimum.x, nullptr, {});
+    if (!search.stopped) learning::describe_many(result, fit);
+    learning::add_notes(result);
     return result;
   }
   const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
-  const learning::Certainty certainty(jacobian, residuals, fit.observed());
+  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight());
   result.singular_values = certainty.singular_values();
   result.undetermined = certainty.undetermined();
   const VectorXd shift = shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals,
                                             options, result.notes);
   learning::describe(result, variables, minimum.x, &certainty, shift);
+  learning::add_notes(result);
   return result;
 }
 

@@ -29,6 +29,8 @@ std::string to_json(const LearnedNet& learned) {
     entry["lower"] = number(each.lower);
     entry["upper"] = number(each.upper);
     entry["determined"] = number(each.determined);
+    entry["has_influence"] = each.has_influence;
+    entry["from_guess"] = number(each.from_guess);
     entry["at_bound"] = each.at_bound;
     entry["by_half_time_step"] = number(each.by_time_step);
     if (!learned.starts.empty()) {
@@ -48,7 +50,10 @@ std::string to_json(const LearnedNet& learned) {
                       {"iterations", each.iterations},
                       {"as_good", each.is_as_good},
                       {"reason", each.reason}});
-  const Json json{
+  Json curve = Json::array();
+  for (const GuessPoint& each : learned.guess_curve)
+    curve.push_back({{"weight", each.weight}, {"rms", number(each.rms)}, {"distance", number(each.distance)}});
+  Json json{
       {"springnet", version()},
       {"observed_values", learned.observed},
       {"variables", learned.variables},
@@ -56,6 +61,8 @@ std::string to_json(const LearnedNet& learned) {
       {"cost", learned.cost},
       {"rms", learned.rms},
       {"reason", learned.reason},
+      {"guess_weight", learned.guess_weight},
+      {"guess_curve", curve},
       {"undetermined_directions", learned.undetermined},
       {"singular_values", learned.singular_values},
       {"parameters", parameters},
@@ -63,6 +70,10 @@ std::string to_json(const LearnedNet& learned) {
       {"history", history},
       {"notes", learned.notes},
   };
+  if (learned.held_out.observed > 0)
+    json["held_out"] = {{"observed_values", learned.held_out.observed},
+                        {"start_rms", number(learned.held_out.start_rms)},
+                        {"rms", number(learned.held_out.rms)}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

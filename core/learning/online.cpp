@@ -9,6 +9,8 @@
 #include <springnet/learn.hpp>
 
 #include "learning/fit.hpp"
+#include "learning/held_out.hpp"
+#include "learning/notes.hpp"
 #include "learning/observed_motion.hpp"
 #include "learning/result.hpp"
 #include "learning/variables.hpp"
@@ -103,6 +105,9 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
                         const std::vector<Learnable>& learnables, const OnlineOptions& options,
                         const std::function<bool(const LearnProgress&)>& on_step) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
+  LearnOptions of_judge;
+  of_judge.memory = options.memory;
+  learning::Judge judge({experiment}, plugins, learnables, of_judge);
   learning::Fit fit({experiment}, plugins, learnables, 0.0, 0, options.memory);  // checks, and judges at the end
   const learning::Variables& variables = fit.variables();
   OnlineLearner learner(experiment.network, plugins, experiment.options, learnables, options);
@@ -135,7 +140,9 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
   fit.note_ruptures(result.notes);
   result.parameters = learning::list_parameters(learnables);
+  judge.judge(learner.variables(), result);
   learning::describe(result, variables, learner.variables(), nullptr, {});
+  learning::add_notes(result);
   return result;
 }
 

@@ -64,12 +64,16 @@ void describe(LearnedNet& learned, const Variables& variables, const VectorXd& x
     const double infinite = std::numeric_limits<double>::infinity();
     const double width = certainty == nullptr ? infinite : certainty->half_width(first, scaled);
     const bool is_known = std::isfinite(width);  // else the bounds of the law would pass for an interval
-    const double ends[] = {is_known ? variables.value_at(k, x, -width) : -infinite,
-                           is_known ? variables.value_at(k, x, width) : infinite};
+    const double middle = certainty == nullptr ? 0.0 : certainty->middle(first, scaled);
+    const double ends[] = {is_known ? variables.value_at(k, x, middle - width) : -infinite,
+                           is_known ? variables.value_at(k, x, middle + width) : infinite};
     each.lower = std::min(ends[0], ends[1]);
     each.upper = std::max(ends[0], ends[1]);
     each.determined =
         certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(first, scaled);
+    each.has_influence = certainty == nullptr || certainty->has_influence(first, scaled);
+    each.from_guess =
+        certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->from_guess(first, scaled);
     each.by_time_step = shift.size() == 0 ? std::numeric_limits<double>::quiet_NaN()
                                           : variables.slope(k, x) * weights.dot(shift.segment(first, weights.size()));
   }

@@ -88,6 +88,7 @@ SearchIdentity identity_of(const std::vector<Experiment>& experiments, const Plu
                           {"stages", std::to_string(options.stages)},
                           {"tolerance", fmt::format("{}", options.tolerance)},
                           {"weight of the guess", fmt::format("{}", options.guess_weight)},
+                          {"rule of the guess", std::to_string(static_cast<int>(options.guess_rule))},
                           {"starts", std::to_string(options.starts)},
                           {"factor of starts", fmt::format("{}", options.start_factor)},
                           {"seed of starts", std::to_string(options.seed)},

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -65,9 +66,10 @@ struct LearnArguments {
   double start_factor = LearnOptions{}.start_factor;
   std::uint64_t seed = LearnOptions{}.seed;
   bool resume = false;
-  double guess_weight = 0.0;
   double memory = 1024.0;  // MiB
   double outlier_distance = Observations{}.outlier_distance;
+  std::string guess_weight = "0";
+  std::vector<std::filesystem::path> held_out;
 };
 
 constexpr const char* learned_file = "learned.toml";
@@ -102,6 +104,16 @@ std::string read_state(const OutputFolder& folder) {
   if (!in) throw Error(ErrorKind::input, fmt::format("{}: cannot be read", file.string()));
   if (state.empty()) throw Error(ErrorKind::input, fmt::format("{}: is empty; learn without --resume", file.string()));
   return state;
+}
+
+void set_guess_weight(LearnOptions& options, const std::string& text) {
+  if (text == "discrepancy") {
+    options.guess_rule = GuessRule::discrepancy;
+  } else if (text == "l-curve") {
+    options.guess_rule = GuessRule::l_curve;
+  } else {
+    options.guess_weight = std::strtod(text.c_str(), nullptr);  // checked with the arguments
+  }
 }
 
 // One row for each variable; two for a field, where it is least and greatest.
@@ -155,6 +167,13 @@ std::string report_of(const LearnedNet& learned) {
         "touch are not determined; they stay near their start.\n",
         learned.undetermined);
   }
+  if (!learned.guess_curve.empty())
+    text += fmt::format("\n  weight of the guess: {:.4g}, from {} tried\n", learned.guess_weight,
+                        learned.guess_curve.size());
+  if (learned.held_out.observed > 0)
+    text +=
+        fmt::format("\n  held out: {} values, rms of their weighted differences {:.4g} at first, {:.4g} at the end\n",
+                    learned.held_out.observed, learned.held_out.start_rms, learned.held_out.rms);
   for (const std::string& note : learned.notes) text += fmt::format("  note: {}\n", note);
   return text;
 }
@@ -178,6 +197,7 @@ int run(const LearnArguments& arguments) {
   for (const std::string& each : arguments.experiments)
     experiments.push_back(experiment_of(each, arguments.scene, *host));
   Experiment& experiment = experiments.front();
+  if (!arguments.held_out.empty()) experiment.held_out = observations_of(scene, arguments.held_out);
   for (Experiment& each : experiments) each.observations.outlier_distance = arguments.outlier_distance;
   const OutputFolder::Pointer folder =
       arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file});
@@ -194,8 +214,8 @@ int run(const LearnArguments& arguments) {
   if (arguments.resume) options.state = read_state(*folder);
   options.on_state = [&](const std::string& state) { write_whole({folder, state_file}, state); };
   options.max_iterations = arguments.iterations;
-  options.guess_weight = arguments.guess_weight;
   options.memory = static_cast<std::size_t>(arguments.memory * (1 << 20));
+  set_guess_weight(options, arguments.guess_weight);
   options.on_iteration = [&](const LearnProgress& now) {
     return progress.search(now.done, text_of(now, arguments.starts));
   };
@@ -282,9 +302,14 @@ void add_learn(CLI::App& app, Action& action) {
   command
       ->add_option("--guess-weight", arguments->guess_weight,
                    "Weight of the squares of relative changes from the start, to which values go that the data do not "
-                   "determine [0]")
-      ->type_name("W")
-      ->check(number_between(0.0, finite));
+                   "determine; discrepancy: the greatest with which differences are within the standard deviations; "
+                   "l-curve: where smaller ones move values without getting nearer to the observations [0]")
+      ->type_name("W|discrepancy|l-curve")
+      ->check(CLI::IsMember({"discrepancy", "l-curve"}) | number_between(0.0, finite));
+  command
+      ->add_option("--held-out", arguments->held_out,
+                   "Tables of the same motion that are not learned from, but judge what was learned")
+      ->type_name("FILE...");
   command
       ->add_option(
           "--memory", arguments->memory,

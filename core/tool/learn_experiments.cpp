@@ -8,11 +8,16 @@
 
 namespace springnet::tool {
 
+Observations observations_of(const Scene& scene, const std::vector<std::filesystem::path>& files) {
+  Observations result;
+  for (const std::filesystem::path& file : files) result.append(read_observations(file));
+  check_observations(result, scene.network.nodes().size(), 0.0, scene.duration);
+  return result;
+}
+
 Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files) {
-  Experiment result{std::make_shared<const Network>(scene.network), scene.options, {}};
+  Experiment result{std::make_shared<const Network>(scene.network), scene.options, observations_of(scene, files)};
   result.options.threads = 0;  // those of the scene are for all experiments
-  for (const std::filesystem::path& file : files) result.observations.append(read_observations(file));
-  check_observations(result.observations, scene.network.nodes().size(), 0.0, scene.duration);
   return result;
 }
 

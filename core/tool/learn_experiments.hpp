@@ -12,6 +12,9 @@
 
 namespace springnet::tool {
 
+// Tables of a scene's motion, checked. Throws Error(input).
+[[nodiscard]] Observations observations_of(const Scene& scene, const std::vector<std::filesystem::path>& files);
+
 // Throws Error(input) for observations that do not fit the scene.
 [[nodiscard]] Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files);
 

@@ -49,8 +49,9 @@ struct Learnable {
 // included.
 struct Experiment {
   std::shared_ptr<const Network> network;
-  SimulationOptions options;  // time step and integrator, see MotionDerivatives
-  Observations observations;
+  SimulationOptions options;   // time step and integrator, see MotionDerivatives
+  Observations observations;   // learned from; none: the experiment only judges
+  Observations held_out = {};  // of the same motion: judge what was learned, which does not know them
 };
 
 struct LearnProgress {
@@ -76,6 +77,26 @@ enum class Optimiser : std::uint8_t {
 // "levenberg", "lbfgs", "descent"
 [[nodiscard]] SPRINGNET_API std::string_view name_of(Optimiser optimiser) noexcept;
 
+// How the weight of the guess is found; see LearnedNet::guess_curve.
+enum class GuessRule : std::uint8_t {
+  given,        // LearnOptions::guess_weight
+  discrepancy,  // the greatest with which differences are within the standard deviations, all weights being 1/s^2
+  l_curve       // where smaller ones move values away from the guess without getting nearer to the observations
+};
+
+// Of the differences from observations that were held out.
+struct HeldOut {
+  std::size_t observed = 0;           // values
+  double start_rms = 0.0, rms = 0.0;  // of the weighted differences, with the values at the start and those learned
+};
+
+// What a search with one weight of the guess has found.
+struct GuessPoint {
+  double weight = 0.0;
+  double rms = 0.0;       // of the weighted differences from the observations
+  double distance = 0.0;  // rms of the changes from the guess, of the logarithm or relative, see guess_weight
+};
+
 struct LearnOptions {
   Optimiser optimiser = Optimiser::levenberg_marquardt;
   int max_iterations = 100;  // of the last stage
@@ -98,6 +119,7 @@ struct LearnOptions {
   // Threads in all; 0: as many as the machine has. Experiments run side by side, simulations whose own number of
   // threads is open (0) share what is left. The results are the same, bit for bit.
   unsigned threads = 0;
+  GuessRule guess_rule = GuessRule::given;  // another: guess_weight has no meaning
   // Called after each iteration; false ends the search with the best so far.
   std::function<bool(const LearnProgress&)> on_iteration{};
   // Before that, bytes with which learn() of the same experiments, learnables and options goes on there, to the same
@@ -117,12 +139,17 @@ struct LearnedParameter {
   // Which drive it, one after another: values of the same one are learned together, those of several in a field.
   std::size_t variable = 0, variables = 1;
   double start = 0.0, value = 0.0;
-  // 95 % confidence interval, from the residuals that are left; infinite where the data determine nothing.
+  // 95 % confidence interval of what the data alone say, from the residuals that are left; infinite where they
+  // determine nothing. The guess, if it has a weight, may hold the value outside.
   double lower = 0.0, upper = 0.0;
   bool at_bound = false;
   // Share of the variable that the data determine, 1 to 0: what is missing lies in combinations that they do not; of
   // the combination of variables that the value of a field is.
   double determined = 1.0;
+  bool has_influence = true;  // false: whatever the value is, what was observed would be the same
+  // Share of the value that comes from the guess, 0 to 1: 1 less the diagonal of the resolution matrix. With more
+  // variables than have intervals: at most so much.
+  double from_guess = 0.0;
   // Estimate of what half the time step would add to the value: the share of the method's error in it.
   double by_time_step = 0.0;
   // Least and greatest of what those of several starts have found that are as good as the best one; nan: one start.
@@ -149,8 +176,12 @@ struct LearnedNet {
   double rms = 0.0;          // of the weighted residuals
   std::size_t observed = 0;  // values
   std::size_t variables = 0;
-  std::vector<double> singular_values;  // of the residuals by the variables, descending
+  // Of the residuals by the variables, descending; with more variables than have intervals the greatest.
+  std::vector<double> singular_values;
   std::size_t undetermined = 0;         // directions without influence
+  double guess_weight = 0.0;            // given, or by the rule
+  std::vector<GuessPoint> guess_curve;  // of the weights that the rule tried, the greatest first
+  HeldOut held_out;
   std::vector<LearnProgress> history;   // of all stages of the best start, without values
   std::vector<LearnedStart> starts;     // none: there was one
   bool stopped = false;                 // by on_iteration

@@ -1,0 +1,48 @@
+#include "learning/held_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+#include "learning/fit.hpp"
+#include "learning/result.hpp"
+
+namespace springnet::learning {
+
+std::vector<Experiment> learned_from(const std::vector<Experiment>& experiments) {
+  std::vector<Experiment> result;
+  for (const Experiment& each : experiments)
+    if (each.observations.value_count() > 0 || each.held_out.value_count() == 0) result.push_back(each);
+  if (result.empty() && !experiments.empty())
+    throw Error(ErrorKind::input, "learning: all observations are held out; leave some to learn from");
+  return result;
+}
+
+Judge::Judge(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
+             const std::vector<Learnable>& learnables, const LearnOptions& options)
+    : plugins_(plugins), learnables_(learnables), threads_(options.threads), memory_(options.memory) {
+  for (const Experiment& each : experiments) {
+    if (each.held_out.value_count() == 0) continue;
+    if (!each.network) throw Error(ErrorKind::input, "learning: an experiment has no network");
+    Observations both = each.observations;
+    both.append(each.held_out);
+    check_observations(both, each.network->nodes().size(), 0.0, both.times().back());
+    experiments_.push_back({each.network, each.options, each.held_out});
+  }
+}
+
+void Judge::judge(const Eigen::VectorXd& x, LearnedNet& learned) {
+  if (experiments_.empty()) return;
+  Fit fit(experiments_, plugins_, learnables_, 0.0, threads_, memory_);
+  learned.held_out.observed = fit.observed();
+  learned.held_out.start_rms = rms_of(fit.residuals(fit.variables().start()), fit.observed());
+  learned.held_out.rms = rms_of(fit.residuals(x), fit.observed());
+  if (!std::isfinite(learned.held_out.rms))
+    learned.notes.push_back("The motion of what was held out fails with the learned values: " + fit.why_failed());
+}
+
+}  // namespace springnet::learning

@@ -1,0 +1,100 @@
+#include "learning/lanczos.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/SVD>
+
+namespace springnet::learning {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double rounding = 1e-13;  // of the greatest value: what is left of a vector that the basis contains
+
+// Takes away what the basis contains, twice: after one pass, rounding of large parts is left.
+void orthogonalise(const std::vector<VectorXd>& basis, VectorXd& vector) {
+  for (int pass = 0; pass < 2; ++pass)
+    for (const VectorXd& each : basis) vector -= each.dot(vector) * each;
+}
+
+// A unit vector that the basis does not contain; no size: it contains all.
+VectorXd unit_vector_beyond(const std::vector<VectorXd>& basis, Index size) {
+  if (static_cast<Index>(basis.size()) >= size) return {};
+  VectorXd vector = arbitrary_vector(size, basis.size());
+  orthogonalise(basis, vector);
+  return vector.normalized();
+}
+
+}  // namespace
+
+VectorXd arbitrary_vector(Index size, std::uint64_t seed) {
+  std::uint64_t state = seed * 0x9e3779b97f4a7c15u + 1;
+  VectorXd result(size);
+  for (double& each : result) {  // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014)
+    std::uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    each = static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
+  }
+  return result;
+}
+
+SingularValues greatest_singular_values(const Product& times, const Product& transposed_times, Index columns,
+                                        const LanczosOptions& options) {
+  // A V = U B with the upper bidiagonal B of `diagonal` and `above`, and A^T U = V B^T + (what is left) e^T.
+  std::vector<VectorXd> right{unit_vector_beyond({}, columns)}, left;
+  std::vector<double> diagonal, above;
+  SingularValues result;
+  double greatest = 0.0;
+  while (true) {
+    VectorXd u = times(right.back());
+    if (!left.empty()) u -= above.back() * left.back();
+    orthogonalise(left, u);
+    diagonal.push_back(u.norm());
+    greatest = std::max(greatest, diagonal.back());
+    const bool is_new = diagonal.back() > rounding * greatest;
+    VectorXd next = VectorXd::Zero(columns);
+    if (is_new) {
+      u /= diagonal.back();
+      next = transposed_times(u) - diagonal.back() * right.back();
+      orthogonalise(right, next);
+    } else {
+      diagonal.back() = 0.0;
+      u.setZero();
+    }
+    left.push_back(u);
+    above.push_back(next.norm());
+
+    const auto count = static_cast<Index>(diagonal.size());
+    MatrixXd b = MatrixXd::Zero(count, count);
+    for (Index k = 0; k < count; ++k) {
+      b(k, k) = diagonal[static_cast<std::size_t>(k)];
+      if (k + 1 < count) b(k, k + 1) = above[static_cast<std::size_t>(k)];
+    }
+    const Eigen::JacobiSVD<MatrixXd> svd(b, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    greatest = std::max(greatest, svd.singularValues()[0]);
+    const bool ends = above.back() <= rounding * greatest;  // the basis has all that acts on its vectors
+    result.all = ends && count >= columns;
+    Index settled = 0;
+    while (settled < count &&
+           (ends || above.back() * std::abs(svd.matrixU()(count - 1, settled)) <= options.tolerance * greatest))
+      ++settled;
+    if (result.all || count >= options.most_products || count >= columns || settled >= options.wanted) {
+      settled = std::min(settled, options.wanted);
+      while (settled > 0 && !(svd.singularValues()[settled - 1] > rounding * greatest)) --settled;
+      result.values = svd.singularValues().head(settled);
+      result.right = MatrixXd::Zero(columns, settled);
+      for (Index k = 0; k < count; ++k)
+        result.right += right[static_cast<std::size_t>(k)] * svd.matrixV().row(k).head(settled);
+      return result;
+    }
+    if (ends) above.back() = 0.0;
+    right.push_back(ends ? unit_vector_beyond(right, columns) : VectorXd(next / next.norm()));
+  }
+}
+
+}  // namespace springnet::learning

@@ -1,0 +1,61 @@
+#include "learning/many_variables.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+namespace springnet::learning {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index products = 60, most_kept = 40;
+constexpr double without_influence = 1e-13;  // of the greatest component of J^T w
+constexpr std::uint64_t probes = 2;
+
+VectorXd gradient_of(Fit& fit, const VectorXd& weights) {
+  VectorXd all = VectorXd::Zero(fit.rows());
+  all.head(fit.observation_rows()) = weights;
+  return fit.transposed_times(all).cwiseProduct(fit.variables().scale());
+}
+
+}  // namespace
+
+SingularValues singular_values(Fit& fit, const LanczosOptions& options) {
+  const VectorXd& scale = fit.variables().scale();
+  const Index rows = fit.observation_rows();
+  return greatest_singular_values(
+      [&](const VectorXd& change) { return VectorXd(fit.times(scale.cwiseProduct(change)).col(0).head(rows)); },
+      [&](const VectorXd& weights) { return gradient_of(fit, weights); }, scale.size(), options);
+}
+
+void describe_many(LearnedNet& learned, Fit& fit) {
+  const SingularValues found = singular_values(fit, {products, most_kept, 1e-4});
+  learned.singular_values.assign(found.values.begin(), found.values.end());
+  const VectorXd square = found.values.cwiseAbs2();
+  // Every direction adds to what the data determine: those that are not known could only take from the guess's share.
+  const VectorXd kept = square.cwiseQuotient((square.array() + fit.guess_weight()).matrix());
+  // Rows at random have a component along every column that is not 0.
+  VectorXd greatest = VectorXd::Zero(fit.variables().count());
+  for (std::uint64_t probe = 1; probe <= probes; ++probe)
+    greatest = greatest.cwiseMax(gradient_of(fit, arbitrary_vector(fit.observation_rows(), probe)).cwiseAbs());
+  const double least = without_influence * greatest.maxCoeff();
+  const Variables& variables = fit.variables();
+  for (std::size_t k = 0; k < learned.parameters.size(); ++k) {
+    LearnedParameter& each = learned.parameters[k];
+    const auto first = static_cast<Index>(each.variable), count = static_cast<Index>(each.variables);
+    const VectorXd weights = variables.weights_of(k).cwiseProduct(variables.scale().segment(first, count));
+    const VectorXd along = found.right.middleRows(first, count).transpose() * weights;
+    each.from_guess = std::max(0.0, 1.0 - along.cwiseAbs2().dot(kept) / weights.squaredNorm());
+    each.has_influence = (weights.array() != 0.0 && greatest.segment(first, count).array() > least).any();
+  }
+  learned.notes.push_back(fmt::format(
+      "Singular values are the {} greatest, by Lanczos' method. Shares of the guess are told as the most that "
+      "they can be: the directions of these values alone count as determined.",
+      found.values.size()));
+}
+
+}  // namespace springnet::learning

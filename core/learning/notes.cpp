@@ -1,0 +1,92 @@
+#include "learning/notes.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "text/counted.hpp"
+
+namespace springnet::learning {
+
+namespace {
+
+// "3", "0-3 and 7", "0-3, 7 and 9", "0-3, 7 and 30 more" of ascending numbers.
+std::string ranges_of(const std::vector<std::uint32_t>& numbers) {
+  constexpr std::size_t most = 24;
+  std::vector<std::string> parts;
+  std::size_t told = 0;
+  for (std::size_t k = 0; k < numbers.size() && parts.size() < most;) {
+    std::size_t last = k;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    parts.push_back(last == k ? fmt::format("{}", numbers[k]) : fmt::format("{}-{}", numbers[k], numbers[last]));
+    k = told = last + 1;
+  }
+  if (told < numbers.size()) parts.push_back(fmt::format("{} more", numbers.size() - told));
+  std::string text = parts.front();
+  for (std::size_t k = 1; k < parts.size(); ++k) text += (k + 1 < parts.size() ? ", " : " and ") + parts[k];
+  return text;
+}
+
+}  // namespace
+
+std::string list_of(const std::vector<LearnedParameter>& parameters,
+                    const std::function<bool(const LearnedParameter&)>& is_meant) {
+  struct Kind {
+    std::string name, member;
+    std::vector<std::uint32_t> members;
+  };
+  std::vector<Kind> kinds;  // in the order of the parameters
+  for (const LearnedParameter& each : parameters) {
+    if (!is_meant(each)) continue;
+    const std::string name = name_of(each);
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& known) { return known.name == name; });
+    if (kind == kinds.end())
+      kind = kinds.insert(kind, {name, std::string(member_name(each.kind, each.of_elements)), {}});
+    kind->members.push_back(each.member);
+  }
+  std::string text;
+  for (Kind& each : kinds) {
+    std::sort(each.members.begin(), each.members.end());
+    each.members.erase(std::unique(each.members.begin(), each.members.end()), each.members.end());
+    if (!text.empty()) text += "; ";
+    text += fmt::format("{} of {}{} {}", each.name, each.member, each.members.size() > 1 ? "s" : "",
+                        ranges_of(each.members));
+  }
+  return text;
+}
+
+void add_notes(LearnedNet& learned) {
+  const auto count = [&](const auto& is_meant) {
+    return static_cast<std::size_t>(std::count_if(learned.parameters.begin(), learned.parameters.end(), is_meant));
+  };
+  const auto add = [&](const auto& is_meant, const char* one, const char* several) {
+    const std::size_t number = count(is_meant);
+    if (number == 0) return;
+    learned.notes.push_back(fmt::format("{} {}: {}.", counted(number, "value"), number == 1 ? one : several,
+                                        list_of(learned.parameters, is_meant)));
+  };
+  add([](const LearnedParameter& each) { return !each.has_influence; },
+      "has no influence at all on what was observed, and stays as it was",
+      "have no influence at all on what was observed, and stay as they were");
+  add([](const LearnedParameter& each) { return each.at_bound; },
+      "is at a bound; the observations would have it beyond, or the model is not theirs",
+      "are at a bound; the observations would have them beyond, or the model is not theirs");
+  constexpr double much_greater = 2.0;
+  const HeldOut& held_out = learned.held_out;
+  if (held_out.observed == 0) return;
+  if (held_out.rms > held_out.start_rms)
+    learned.notes.push_back(fmt::format(
+        "What was held out is described worse by the learned values than by those at the start: the rms of the "
+        "weighted differences is {:.4g}, it was {:.4g}.",
+        held_out.rms, held_out.start_rms));
+  else if (held_out.rms > much_greater * learned.rms)
+    learned.notes.push_back(fmt::format(
+        "The rms of the weighted differences is {:.4g} for what was held out, and {:.4g} for what was learned "
+        "from: the values follow the noise of the latter, or the model does not hold for both.",
+        held_out.rms, learned.rms));
+}
+
+}  // namespace springnet::learning

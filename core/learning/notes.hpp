@@ -1,0 +1,19 @@
+// What the user should know of a result, as sentences.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <springnet/learn.hpp>
+
+namespace springnet::learning {
+
+// "spring.stiffness of springs 0-3 and 7, mass of nodes 1-4"; empty: of none.
+[[nodiscard]] std::string list_of(const std::vector<LearnedParameter>& parameters,
+                                  const std::function<bool(const LearnedParameter&)>& is_meant);
+
+// On values without influence and at bounds, and on what was held out.
+void add_notes(LearnedNet& learned);
+
+}  // namespace springnet::learning

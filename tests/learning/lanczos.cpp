@@ -1,0 +1,72 @@
+// Singular values by products against those of the whole matrix.
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "learning/lanczos.hpp"
+
+using namespace springnet::learning;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// With orthogonal vectors at random.
+MatrixXd with_singular_values(Index rows, const VectorXd& values) {
+  const auto orthogonal = [](Index size, std::uint64_t seed) {
+    return MatrixXd(arbitrary_vector(size * size, seed).reshaped(size, size).householderQr().householderQ());
+  };
+  const Index columns = values.size();
+  return orthogonal(rows, 1).leftCols(columns) * values.asDiagonal() * orthogonal(columns, 2).transpose();
+}
+
+SingularValues found_in(const MatrixXd& a, const LanczosOptions& options) {
+  return greatest_singular_values([&](const VectorXd& x) { return VectorXd(a * x); },
+                                  [&](const VectorXd& y) { return VectorXd(a.transpose() * y); }, a.cols(), options);
+}
+
+}  // namespace
+
+TEST_CASE("the greatest singular values and their vectors are those of the whole matrix") {
+  VectorXd values(30);
+  for (Index k = 0; k < 30; ++k) values[k] = std::pow(10.0, -0.2 * static_cast<double>(k));
+  const MatrixXd a = with_singular_values(60, values);
+  const Eigen::BDCSVD<MatrixXd> dense(a, Eigen::ComputeThinV);
+  const SingularValues some = found_in(a, {18, 6, 1e-9});
+  REQUIRE(some.values.size() == 6);
+  CHECK_FALSE(some.all);
+  for (Index k = 0; k < 6; ++k) {
+    CHECK(some.values[k] == doctest::Approx(dense.singularValues()[k]).epsilon(1e-12));
+    // The angle between vectors is the residual over the distance of the next value, 0.16 of the greatest at k = 5.
+    CHECK(std::abs(some.right.col(k).dot(dense.matrixV().col(k))) == doctest::Approx(1.0).epsilon(1e-12));
+  }
+  // What has not settled is not told.
+  const SingularValues few = found_in(a, {4, 30, 1e-9});
+  CHECK(few.values.size() < 4);
+  // To the end, all but what is lost in rounding.
+  const SingularValues whole = found_in(a, {100, 100, 1e-12});
+  CHECK(whole.all);
+  REQUIRE(whole.values.size() == 30);
+  CHECK((whole.values - values).cwiseAbs().maxCoeff() < 1e-14);
+}
+
+TEST_CASE("equal singular values are found with the last of the products, and those that are 0 are none") {
+  const VectorXd values{{3.0, 3.0, 3.0, 1.0, 1.0, 0.0, 0.0}};
+  for (const Index rows : {7, 20}) {
+    const SingularValues found = found_in(with_singular_values(rows, values), {100, 100, 1e-10});
+    CHECK(found.all);
+    REQUIRE(found.values.size() == 5);
+    CHECK((found.values - values.head(5)).cwiseAbs().maxCoeff() < 1e-13);
+    CHECK((found.right.transpose() * found.right - MatrixXd::Identity(5, 5)).cwiseAbs().maxCoeff() < 1e-12);
+  }
+  const SingularValues wide = found_in(with_singular_values(20, values).transpose(), {100, 100, 1e-10});
+  CHECK(wide.values.size() == 5);
+  CHECK(found_in(MatrixXd::Zero(3, 2), {}).values.size() == 0);
+}
