@@ -8,8 +8,10 @@
 
 namespace springnet::tool {
 
-std::string page_of(const std::string& title, const std::vector<figure::Figure>& figures) {
-  const figure::Drawing drawing = figure::draw(figures);
+namespace {
+
+// For a script element.
+std::string panels_of(const figure::Drawing& drawing) {
   nlohmann::json panels = nlohmann::json::array();
   for (const figure::PlacedPanel& placed : drawing.panels) {
     nlohmann::json curves = nlohmann::json::array();
@@ -27,7 +29,22 @@ std::string page_of(const std::string& title, const std::vector<figure::Figure>&
   std::string data = panels.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = data.find('<'); at != std::string::npos; at = data.find('<', at))
     data.replace(at, 1, "\\u003c");
-  return fmt::format(plot_page, escape_html(title), drawing.svg, data);
+  return data;
+}
+
+}  // namespace
+
+std::string page_of(const std::string& title, const std::vector<figure::Figure>& figures) {
+  const figure::Drawing drawing = figure::draw(figures);
+  return fmt::format(plot_page, escape_html(title), drawing.svg, panels_of(drawing), plot_script, plot_style);
+}
+
+std::string part_of_page(const std::vector<figure::Figure>& figures) {
+  const figure::Drawing drawing = figure::draw(figures, {true, "figures"});
+  return fmt::format(
+      "<style>\n{}{}</style>\n<section id=\"figures\">\n{}</section><div id=\"values\" role=\"status\"></div>\n"
+      "<script type=\"application/json\" id=\"panels\">{}</script>\n<script>\n{}</script>\n",
+      figure::embedded_style, plot_style, drawing.svg, panels_of(drawing), plot_script);
 }
 
 }  // namespace springnet::tool

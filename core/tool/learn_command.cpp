@@ -39,7 +39,7 @@ value for all, :field=2 a smooth field of second degree; load@2 is the third [[f
 Files in the output folder:
   learned.toml      the scene with the values that were learned
   learning.json     each value with its interval, what the data determine, the course of the search
-  learning.html     the same as curves, for a browser
+  learning.html     the values on the body, the motions before and after, and curves, for a browser
   learning.state    while the search has not reached its end, what --resume goes on from
 Ctrl-C ends the search; the files then have the best values until then.
 
@@ -234,8 +234,7 @@ int run(const LearnArguments& arguments) {
   scene.network = with_values(experiment.network, host, learnables, learned.values);
   const std::string json = to_json(learned);
   write_whole({folder, learning_file}, json);
-  write_whole({folder, page_file},
-              page_of("Learned: " + (scene.title.empty() ? arguments.scene.file.string() : scene.title), learned));
+  write_learning_page({folder, page_file}, scene, host, *experiment.network, experiment.observations, learned);
   write_whole({folder, learned_file}, to_scene(scene, *host));
   if (!learned.stopped) remove_output({folder, state_file});
   if (arguments.output.json) {

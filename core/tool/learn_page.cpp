@@ -1,12 +1,18 @@
 #include "learn_page.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <springnet/error.hpp>
+#include <springnet/view.hpp>
 
 #include "figure_page.hpp"
 
@@ -74,13 +80,119 @@ std::vector<Figure> values_of(const LearnedNet& learned) {
   return result;
 }
 
+ViewValues::Of members_of(const LearnedParameter& parameter) {
+  const std::string_view name = member_name(parameter.kind, parameter.of_elements);
+  return name == "node"      ? ViewValues::Of::nodes
+         : name == "element" ? ViewValues::Of::elements
+                             : ViewValues::Of::springs;
+}
+
+std::string unit_in(const PluginHost& plugins, ComponentKind kind, const std::optional<LawUse>& use,
+                    const std::string& parameter) {
+  if (!use) return "";
+  const auto component = use->component != nullptr ? use->component : plugins.find(kind, use->id);
+  if (!component) return "";
+  const std::ptrdiff_t k = parameter_index(*component->description, parameter);
+  if (k < 0) return "";
+  const std::string unit = component->description->parameters[k]->unit;
+  return unit == "1" ? "" : unit;
+}
+
+std::string unit_of(const LearnedParameter& each, const Network& network, const PluginHost& plugins) {
+  using Kind = LearnedValues::Kind;
+  switch (each.kind) {
+    case Kind::mass:
+      return "kg";
+    case Kind::initial_velocity:
+      return "m/s";
+    case Kind::rest_length:
+      return each.of_elements ? std::string(springnet::unit_of(network.elements()[each.member].invariant)) : "m";
+    case Kind::neuron_parameter:
+      return unit_in(plugins, ComponentKind::neuron, network.neurons()[network.nodes()[each.member].neuron],
+                     each.parameter);
+    case Kind::spring_parameter:
+    case Kind::viscosity_parameter:
+      break;
+  }
+  const Material& material = network.materials()[each.of_elements ? network.elements()[each.member].material
+                                                                  : network.springs()[each.member].material];
+  return each.kind == Kind::spring_parameter
+             ? unit_in(plugins, ComponentKind::spring_function, material.spring, each.parameter)
+             : unit_in(plugins, ComponentKind::viscosity_function, material.viscosity, each.parameter);
+}
+
+// Values of one name and unit, in the order in which they were asked for.
+std::vector<ViewValues> painted(const LearnedNet& learned, const Network& network, const PluginHost& plugins) {
+  std::vector<ViewValues> result;
+  for (const LearnedParameter& each : learned.parameters) {
+    const ViewValues::Of of = members_of(each);
+    const std::string name = name_of(each), unit = unit_of(each, network, plugins);
+    auto found = std::find_if(result.begin(), result.end(), [&](const ViewValues& known) {
+      return known.of == of && known.name == name && known.unit == unit;
+    });
+    if (found == result.end()) found = result.insert(result.end(), ViewValues{of, name, unit, {}});
+    found->values.push_back({each.member, each.start, each.value, each.lower, each.upper, each.determined,
+                             std::isfinite(each.lower) && std::isfinite(each.upper)});
+  }
+  return result;
+}
+
+// Those that have a place.
+std::vector<ViewPoint> places_of(const Observations& observations, std::vector<std::string>& notes) {
+  std::vector<ViewPoint> result;
+  std::size_t incomplete = 0;
+  for (const Observations::VectorRow& each : observations.positions) {
+    if (each.weight.minCoeff() > 0.0) {
+      result.push_back({each.time, each.value, each.node});
+    } else if (each.weight.maxCoeff() > 0.0) {
+      ++incomplete;
+    }
+  }
+  for (const Observations::SurfacePoint& each : observations.surface_points)
+    if (each.weight > 0.0) result.push_back({each.time, each.point, ViewPoint::no_node});
+  if (incomplete > 0)
+    notes.push_back(fmt::format("{} observed positions lack a coordinate and are not drawn", incomplete));
+  if (!observations.velocities.empty() || !observations.distances.empty() || !observations.reactions.empty())
+    notes.emplace_back("of what was observed, positions are drawn; velocities, distances and forces are not");
+  return result;
+}
+
+// Advances until it fails; then it stays where it is.
+bool advance(Simulation& simulation, double time, std::string& failure) {
+  if (!failure.empty()) return false;
+  try {
+    simulation.advance_to(time);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::simulation) throw;
+    failure = error.what();
+  }
+  return failure.empty();
+}
+
 }  // namespace
 
-std::string page_of(const std::string& title, const LearnedNet& learned) {
+void write_learning_page(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
+                         const Network& start, const Observations& observations, const LearnedNet& learned) {
+  const auto view = std::make_shared<LearnedView>();
+  view->values = painted(learned, start, *plugins);
+  view->notes = learned.notes;
+  view->observed = places_of(observations, view->notes);
   std::vector<Figure> figures{course_of(learned)};
   for (Figure& each : values_of(learned)) figures.push_back(std::move(each));
-  figures.front().notes.insert(figures.front().notes.end(), learned.notes.begin(), learned.notes.end());
-  return page_of(title, figures);
+  view->below = part_of_page(figures);
+
+  ViewWriter page(file, scene, {scene.output.view_size, plugins, view});
+  Simulation after(scene.network, plugins, scene.options), before(start, plugins, scene.options);
+  page.record(after, before);
+  const double interval = std::max(scene.output.interval, scene.options.time_step);
+  std::string failure, failure_before;
+  for (std::size_t k = 1; failure.empty() && after.time() < scene.duration * (1.0 - 1e-9); ++k) {
+    const double time = std::min(static_cast<double>(k) * interval, scene.duration);
+    advance(before, time, failure_before);
+    if (advance(after, time, failure)) page.record(after, before);
+  }
+  if (!failure.empty()) page.failed(failure);
+  page.close();
 }
 
 }  // namespace springnet::tool

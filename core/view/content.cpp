@@ -5,7 +5,9 @@
 #include <unordered_map>
 
 #include "view/base64.hpp"
+#include "view/blocks.hpp"
 #include "view/description.hpp"
+#include "view/learned.hpp"
 #include "view/page.hpp"
 #include "view/pair.hpp"
 
@@ -14,17 +16,6 @@ namespace springnet::view {
 namespace {
 
 constexpr std::uint32_t never = not_shown;
-
-template <class Number>
-void write_block(std::ostream& out, const std::string& name, const std::vector<Number>& numbers) {
-  out << "<script type=\"application/octet-stream\" id=\"" << name << "\">" << base64_of(numbers) << "</script>\n";
-}
-
-// The range precedes the scaled numbers.
-void write_rounded(std::ostream& out, const std::string& name, const std::vector<float>& numbers, const Range& range) {
-  write_block(out, name + "_range", std::vector<float>{range.low, range.high});
-  write_block(out, name, shares_of(numbers, range));
-}
 
 void write_frames(std::ostream& out, const Frames& frames, const std::optional<Ranges>& ranges) {
   write_block(out, "scalars", frames.scalars.numbers());
@@ -35,10 +26,12 @@ void write_frames(std::ostream& out, const Frames& frames, const std::optional<R
   write_block(out, "states", frames.states.numbers());
   if (ranges) {
     write_rounded(out, "positions", frames.positions.numbers(), ranges->positions);
+    write_rounded(out, "start_positions", frames.start_positions.numbers(), ranges->positions);
     write_rounded(out, "speeds", frames.speeds.numbers(), ranges->speeds);
     write_rounded(out, "tensions", frames.tensions.numbers(), ranges->tensions);
   } else {
     write_block(out, "positions", frames.positions.numbers());
+    write_block(out, "start_positions", frames.start_positions.numbers());
     write_block(out, "speeds", frames.speeds.numbers());
     write_block(out, "tensions", frames.tensions.numbers());
   }
@@ -140,9 +133,10 @@ double raw_frame_bytes(const Content& content, bool rounded) {
   const auto surfaces =
       static_cast<double>(content.scene.network.planes().size() + content.scene.network.instruments().size());
   const auto arrows = static_cast<double>(content.forces.loads.size() + content.forces.arrows.size());
-  return (rounded ? 2.0 : 4.0) * (4.0 * nodes + springs) + std::ceil(nodes / 8.0) + 28.0 * surfaces + 12.0 * arrows +
-         4.0 * static_cast<double>(content.states.numbers) +
-         8.0 * static_cast<double>(fixed_scalars + content.elements.size());
+  const double start = content.learned ? 3.0 * nodes : 0.0;
+  return (rounded ? 2.0 : 4.0) * (4.0 * nodes + start + springs) + std::ceil(nodes / 8.0) + 28.0 * surfaces +
+         12.0 * arrows + 4.0 * static_cast<double>(content.states.numbers) +
+         8.0 * static_cast<double>(fixed_scalars + content.elements.size()) + observed_bytes(content.learned.get());
 }
 
 }  // namespace
@@ -175,6 +169,10 @@ double base_bytes(const Content& content) {
   if (content.selection.faces) bytes += 16.0 * static_cast<double>(network.faces().size());
   bytes += 17.0 * static_cast<double>(content.removed.size());
   bytes += 4.0 * static_cast<double>(content.forces.arrows.size());
+  if (content.learned) {
+    text += static_cast<double>(content.learned->below.size());
+    bytes += values_bytes(content);
+  }
   return program_bytes() + text + base64_size(bytes);
 }
 
@@ -194,6 +192,7 @@ void write_page(std::ostream& out, const Content& content, const std::optional<R
   write_arrows(out, content.forces);
   write_faces(out, content);
   write_frames(out, content.frames, rounded);
+  if (content.learned) write_learned(out, content);
   out << after_data;
 }
 

@@ -10,6 +10,7 @@
 
 #include <springnet/plugin_host.hpp>
 #include <springnet/scene.hpp>
+#include <springnet/view.hpp>
 
 #include "view/forces.hpp"
 #include "view/frames.hpp"
@@ -41,6 +42,7 @@ struct Content {
   std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
   std::vector<LawStates> law_states{};          // laws of springs and elements that have internal states
   States states{};
+  std::shared_ptr<const LearnedView> learned{};  // null: the page of a run
 };
 
 // Elements that get a curve: all if they are few, else the enclosed volumes.

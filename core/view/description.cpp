@@ -118,6 +118,27 @@ Json states_of(const Content& content) {
   return states;
 }
 
+const char* word_of(ViewValues::Of of) {
+  switch (of) {
+    case ViewValues::Of::nodes:
+      return "nodes";
+    case ViewValues::Of::elements:
+      return "elements";
+    case ViewValues::Of::springs:
+      break;
+  }
+  return "springs";
+}
+
+// Null in the page of a run.
+Json learned_of(const Content& content) {
+  if (!content.learned) return nullptr;
+  Json learned = Json::array();
+  for (const ViewValues& each : content.learned->values)
+    learned.push_back({{"name", each.name}, {"unit", each.unit}, {"of", word_of(each.of)}});
+  return learned;
+}
+
 }  // namespace
 
 std::string describe(const Content& content, bool rounded) {
@@ -149,6 +170,7 @@ std::string describe(const Content& content, bool rounded) {
             {"material_states", content.states.of_material},
             {"energy_leaves_out", left_out_of_energy(content)},
             {"failure", content.failure},
+            {"learned", learned_of(content)},
             {"notes", content.notes}};
   std::string text = json.dump(1, ' ', true, Json::error_handler_t::replace);
   // A "</script>" in a title must not end the element.

@@ -7,6 +7,7 @@ namespace springnet::view {
 Frames::Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expected)
     : scalars(widths.scalars, std::min(capacity, expected) + 1),
       positions(3 * widths.nodes, std::min(capacity, expected) + 1),
+      start_positions(3 * widths.start_nodes, std::min(capacity, expected) + 1),
       speeds(widths.nodes, std::min(capacity, expected) + 1),
       tensions(widths.springs, std::min(capacity, expected) + 1),
       surfaces(surface_numbers * widths.surfaces, std::min(capacity, expected) + 1),

@@ -42,6 +42,7 @@ constexpr std::size_t surface_numbers = 7;  // per surface and frame
 struct FrameWidths {
   std::size_t scalars, nodes, springs, surfaces;
   std::size_t loads = 0, arrows = 0, states = 0;
+  std::size_t start_nodes = 0;
 };
 
 // Records 0, stride, 2 stride, … and the last one; at most `capacity` frames (2 or more), then the stride doubles.
@@ -55,9 +56,10 @@ class Frames {
   void begin();
 
   Rows<double> scalars;
-  Rows<float> positions;       // x, y, z of each node, m
-  Rows<float> speeds;          // of each node, m/s
-  Rows<float> tensions;        // of each spring, N
+  Rows<float> positions;        // x, y, z of each node, m
+  Rows<float> start_positions;  // of the motion before learning, m; empty without one
+  Rows<float> speeds;           // of each node, m/s
+  Rows<float> tensions;         // of each spring, N
   Rows<float> surfaces;        // of each surface: x, y, z, m; the quaternion x, y, z, w of its rotation since the start
   Rows<float> resultants;      // x, y, z of each load, N
   Rows<float> forces;          // x, y, z of each arrow at a node, N
@@ -73,6 +75,7 @@ class Frames {
   void each(const Work& work) {
     work(scalars);
     work(positions);
+    work(start_positions);
     work(speeds);
     work(tensions);
     work(surfaces);

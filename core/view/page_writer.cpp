@@ -11,6 +11,7 @@
 
 #include "files/whole_file.hpp"
 #include "view/floors.hpp"
+#include "view/learned.hpp"
 
 namespace springnet::view {
 
@@ -23,10 +24,11 @@ double expected_records(const Scene& scene) {
   return std::floor(scene.duration / std::max(scene.output.interval, scene.options.time_step)) + 2.0;
 }
 
-Selection select(const Scene& scene, const States& states, double size) {
+Selection select(const Scene& scene, const States& states, double size, const LearnedView* learned) {
   const double frames = std::min(expected_records(scene), min_frames);
-  return view::select(scene.network, frames, 0.75 * std::max(size - program_bytes(), 0.0),
-                      4.0 * mean_states(scene.network, states));
+  double more = 4.0 * mean_states(scene.network, states);
+  if (learned != nullptr) more += learned_cost(*learned, scene.network, frames);
+  return view::select(scene.network, frames, 0.75 * std::max(size - program_bytes(), 0.0), more);
 }
 
 FrameWidths widths_of(const Content& content) {
@@ -37,17 +39,25 @@ FrameWidths widths_of(const Content& content) {
           network.planes().size() + network.instruments().size(),
           content.forces.loads.size(),
           content.forces.arrows.size(),
-          content.states.numbers};
+          content.states.numbers,
+          content.learned ? content.selection.nodes.size() : 0};
 }
 
-Content make_content(const Scene& scene, double size, const PluginHost* plugins) {
+Content make_content(const Scene& scene, double size, const PluginHost* plugins,
+                     const std::shared_ptr<const LearnedView>& learned = nullptr) {
   std::vector<LawStates> law_states =
       plugins != nullptr ? find_law_states(scene.network, *plugins) : scene.output.law_states;
   States states = states_of(scene.network, law_states);
-  Content content{
-      scene, select(scene, states, size), plotted_elements(scene.network), {}, Frames({0, 0, 0, 0}, 2, 0), {}, {}};
+  Content content{scene,
+                  select(scene, states, size, learned.get()),
+                  plotted_elements(scene.network),
+                  {},
+                  Frames({0, 0, 0, 0}, 2, 0),
+                  {},
+                  {}};
   content.law_states = std::move(law_states);
   content.states = std::move(states);
+  content.learned = learned;
   count_states(scene.network, content.selection, content.states);
   content.forces = forces_of(scene.network, content.selection);
   const double max_frames = (size - base_bytes(content)) / frame_bytes(content, true);
@@ -66,10 +76,12 @@ springnet again.</p>
 }  // namespace
 
 PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options, bool resumes)
-    : file_(file), size_(options.size), content_(make_content(scene, size_, options.plugins.get())) {
+    : file_(file), size_(options.size), content_(make_content(scene, size_, options.plugins.get(), options.learned)) {
   content_.plugins = options.plugins;
   left_out_ = content_.selection.notes;
   left_out_.insert(left_out_.end(), content_.forces.notes.begin(), content_.forces.notes.end());
+  if (content_.learned)
+    left_out_.insert(left_out_.begin(), content_.learned->notes.begin(), content_.learned->notes.end());
   closed_ = resumes;
   if (!resumes) go_on();
 }
@@ -143,19 +155,30 @@ void PageWriter::take_scalars(const Record& record) {
   }
 }
 
+void PageWriter::record_start(const Simulation& simulation) {
+  if (content_.learned) take_positions(simulation, content_.frames.start_positions.last());
+}
+
+void PageWriter::take_positions(const Simulation& simulation, std::span<float> out) const {
+  const ConstNodeMap positions = simulation.positions();
+  for (std::size_t k = 0; k < content_.selection.nodes.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(simulation.columns()[content_.selection.nodes[k]]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out[3 * k + axis] = to_float(positions(static_cast<Eigen::Index>(axis), column));
+  }
+}
+
 void PageWriter::take_nodes(const Simulation& simulation) {
-  const auto positions = content_.frames.positions.last();
+  take_positions(simulation, content_.frames.positions.last());
+  if (content_.learned) record_start(simulation);  // until it is told
   const auto speeds = content_.frames.speeds.last();
   const auto contact = content_.frames.contact.last();
   std::fill(contact.begin(), contact.end(), std::uint8_t{0});
-  const ConstNodeMap all_positions = simulation.positions(), velocities = simulation.velocities();
+  const ConstNodeMap velocities = simulation.velocities();
   const bool surfaces = simulation.surface_count() > 0;
   for (std::size_t k = 0; k < content_.selection.nodes.size(); ++k) {
     const NodeIndex node = content_.selection.nodes[k];
     const auto column = static_cast<Eigen::Index>(simulation.columns()[node]);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      positions[3 * k + axis] = to_float(all_positions(static_cast<Eigen::Index>(axis), column));
-    }
     speeds[k] = to_float(velocities.col(column).norm());
     if (surfaces && simulation.touching(node)) {
       contact[k / 8] = static_cast<std::uint8_t>(contact[k / 8] | 1U << k % 8);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ class PageWriter {
   PageWriter& operator=(const PageWriter&) = delete;
 
   void record(const Record& record);
+  // Of the motion before learning, after record() at that time.
+  void record_start(const Simulation& simulation);
   // What it has kept of the records so far.
   void archive(Archive& archive);
   // Of one that resumes, once its records are there: the page is that of a run that has not ended.
@@ -38,6 +41,7 @@ class PageWriter {
   void take_events(const Simulation& simulation);
   void take_scalars(const Record& record);
   void take_nodes(const Simulation& simulation);
+  void take_positions(const Simulation& simulation, std::span<float> out) const;
   void take_springs(const Record& record);
   void take_surfaces(const Simulation& simulation);
   void note_omissions(const std::optional<Ranges>& rounded);

@@ -22,6 +22,10 @@ Range position_range(const Frames& frames) {
   constexpr float max_sizes = 16.0F;
   const std::vector<float>& all = frames.positions.numbers();
   Range range = range_of(all);
+  if (!frames.start_positions.numbers().empty()) {
+    const Range other = range_of(frames.start_positions.numbers());
+    range = {std::min(range.low, other.low), std::max(range.high, other.high), false};
+  }
   const Range start = range_of(std::span(all).first(all.size() / std::max<std::size_t>(frames.count(), 1)));
   const float size = start.high - start.low;
   if (!(size > 0.0F)) return range;

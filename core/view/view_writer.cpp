@@ -21,6 +21,11 @@ void ViewWriter::record(const Simulation& simulation) {
   impl_->page.record(impl_->state);
 }
 
+void ViewWriter::record(const Simulation& simulation, const Simulation& start) {
+  record(simulation);
+  impl_->page.record_start(start);
+}
+
 void ViewWriter::failed(const std::string& reason) { impl_->page.failed(reason); }
 void ViewWriter::close() { impl_->page.close(); }
 const std::vector<std::string>& ViewWriter::left_out() const noexcept { return impl_->page.left_out(); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,9 +15,44 @@
 
 namespace springnet {
 
+// Values of springs, nodes or elements that were learned. They are colours of the page.
+struct ViewValues {
+  enum class Of : std::uint8_t { springs, nodes, elements };
+  struct Value {
+    std::uint32_t member = 0;  // spring, node or element
+    double start = 0.0, value = 0.0;
+    double lower = 0.0, upper = 0.0;  // ends of the 95 % interval
+    double determined = 1.0;          // share that the data determine; nan: not known
+    // false: the data say nothing of it. It has no interval then, whatever the ends are.
+    bool has_interval = true;
+  };
+  Of of = Of::springs;
+  std::string name;           // "spring.stiffness"
+  std::string unit;           // empty: dimensionless
+  std::vector<Value> values;  // of each member once
+};
+
+// A place that was observed: of a node, or of a point of the surface.
+struct ViewPoint {
+  static constexpr NodeIndex no_node = std::numeric_limits<NodeIndex>::max();
+  double time = 0.0;  // s
+  Vector3 point = Vector3::Zero();
+  NodeIndex node = no_node;
+};
+
+// What a page shows of a net that was learned, beside its motion.
+struct LearnedView {
+  std::vector<ViewValues> values;
+  std::vector<ViewPoint> observed;
+  std::vector<std::string> notes;  // plain text
+  std::string below;               // HTML below the rest of the page, trusted; the page's own policy applies to it
+};
+
 struct ViewOptions {
   double size = 16e6;                                   // largest size of the page, bytes
   std::shared_ptr<const PluginHost> plugins = nullptr;  // of the run, for the units of laws; null: no units
+  // For the page of a learned net: its records have the motion of the start, too.
+  std::shared_ptr<const LearnedView> learned = nullptr;
 };
 
 // Collects the records of a run and writes the page. The size of the page bounds the memory: once there are more
@@ -33,6 +69,8 @@ class SPRINGNET_API ViewWriter {
 
   // Records the present state and the events since the last call.
   void record(const Simulation& simulation);
+  // Of a page with ViewOptions::learned: with the motion of the values at the start, at the same time.
+  void record(const Simulation& simulation, const Simulation& start);
   // Call it if the run failed: the page will begin with the reason, plain text of any length. The last call counts.
   void failed(const std::string& reason);
   // Writes the page with what was recorded, also after a failure. If that is not possible, throws Error(simulation) and

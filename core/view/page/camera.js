@@ -8,6 +8,11 @@
     for (let k = 0; k < run.positions.numbers; k += 3) {
       box.expandByPoint(point.set(s.drawn_coordinate(k), s.drawn_coordinate(k + 1), s.drawn_coordinate(k + 2)));
     }
+    for (let frame = 0; run.start_positions && frame < run.frames; ++frame) {
+      const row = s.drawn_start(frame), seen = s.drawn_observed(frame);
+      for (let k = 0; k < row.length; k += 3) box.expandByPoint(point.set(row[k], row[k + 1], row[k + 2]));
+      for (let k = 0; k < seen.length; k += 3) box.expandByPoint(point.set(seen[k], seen[k + 1], seen[k + 2]));
+    }
     if (box.isEmpty()) box.expandByPoint(new THREE.Vector3());
     return box;
   }
@@ -69,6 +74,16 @@
       const place = new THREE.Vector3(s.drawn_coordinate(k), s.drawn_coordinate(k + 1), s.drawn_coordinate(k + 2));
       if (box.containsPoint(place)) points.push(place.sub(centre));
     }
+    const more = [];
+    for (let frame = 0; run.start_positions && frame < run.frames; frame += Math.max(1, stride >> 3)) {
+      more.push(Float32Array.from(s.drawn_start(frame)), Float32Array.from(s.drawn_observed(frame)));
+    }
+    more.forEach(function (row) {
+      for (let k = 0; k < row.length; k += 3 * stride) {
+        const place = new THREE.Vector3(row[k], row[k + 1], row[k + 2]);
+        if (box.containsPoint(place)) points.push(place.sub(centre));
+      }
+    });
     boxes.forEach(function (each) { points.push(each.min.clone().sub(centre), each.max.clone().sub(centre)); });
     ends.forEach(function (end) { points.push(end.clone().sub(centre)); });
     return { nodes_box: nodes_box, longest_arrow: longest, centre: centre, radius: 0.5 * diagonal(box) || 1, points: points };

@@ -15,8 +15,13 @@
   const diverging = table([[12, 44, 132], [33, 102, 192], [110, 165, 215], [186, 190, 196], [232, 135, 108], [206, 44, 48], [128, 0, 32]]);
   const sequential = table([[120, 130, 145], [66, 90, 160], [125, 60, 150], [205, 70, 100], [240, 130, 45], [250, 190, 30]]);
 
+  // Of learned values, none of them grey: that is the colour of what is not determined.
+  const learned = table([[68, 1, 84], [62, 74, 137], [38, 130, 142], [53, 183, 121], [160, 218, 57], [253, 221, 30]]);
+  const ratio = table([[24, 60, 160], [40, 150, 220], [232, 216, 130], [240, 120, 50], [150, 10, 40]]);
+
   s.colours = {
     tension: { table: diverging },
+    learned: learned, ratio: ratio, open: [150, 150, 150], start: [225, 110, 20], observed: [10, 130, 60],
     speed: { table: sequential },
     free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], without: [228, 231, 235], rigid: [40, 44, 50],
     force: [26, 127, 70],

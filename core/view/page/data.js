@@ -57,6 +57,8 @@
     faces: block("faces", Uint32Array), face_frames: block("face_frames", Uint32Array),
     positions: rows("positions", 3 * nodes), speeds: rows("speeds", nodes), tensions: rows("tensions", springs)
   };
+  run.block = block;
+  run.rows = rows;
   // Internal states of laws, spring by spring: those of its material, which are numbers in about.states.
   run.states = { numbers: block("states", Float32Array), first: new Uint32Array(springs), width: 0 };
   const material_states = about.material_states;
@@ -156,7 +158,12 @@
 
   // What colours show: value in s.shown.colour; `of_state`: number in about.states.
   const state_ranges = [];
+  // `paint`: learned values, the same at all times.
   run.quantity = function (name) {
+    if (name.startsWith("learned")) {
+      const paint = s.paint(name);
+      return { title: paint.title, unit: paint.unit, paint: paint };
+    }
     if (name.startsWith("state")) {
       const which = Number(name.slice(5)), state = about.states[which];
       const found = state_ranges[which] || (state_ranges[which] =

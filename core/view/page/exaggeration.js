@@ -17,6 +17,23 @@
     return drawn;
   };
 
+  // The motion of the start, and the observed places; those that belong to no node are not drawn larger, but left out.
+  const drawn_start = new Float32Array(run.start_positions ? width : 0);
+  s.drawn_start = function (frame) {
+    const row = run.start_positions.row(frame);
+    if (s.exaggeration === 1) return row;
+    for (let k = 0; k < width; ++k) drawn_start[k] = exaggerated(row[k], k);
+    return drawn_start;
+  };
+  s.drawn_observed = function (frame) {
+    const seen = run.observed(frame), out = [];
+    if (s.exaggeration === 1) return seen.points;
+    seen.nodes.forEach(function (node, k) {
+      for (let c = 0; node !== run.never && c < 3; ++c) out.push(exaggerated(seen.points[3 * k + c], 3 * node + c));
+    });
+    return out;
+  };
+
   // The factor at which the network moves by its own size, or the rounding of positions becomes visible.
   function largest_useful() {
     let low = Infinity, high = -Infinity;

@@ -10,6 +10,35 @@
     part.textContent = max > 0 ? "longest arrow " + s.force_text(max) + what : "the loads have no resultant: show forces at each node";
   }
 
+  function draw_bar(table) {
+    const bar = element("legend-bar"), context = bar.getContext("2d");
+    for (let x = 0; x < bar.width; ++x) {
+      const at = 3 * Math.round(255 * x / (bar.width - 1));
+      context.fillStyle = "rgb(" + table.slice(at, at + 3).join(",") + ")";
+      context.fillRect(x, 0, 1, bar.height);
+    }
+  }
+
+  // Of values that were learned.
+  function show_painted(shown) {
+    const paint = shown.paint;
+    element("legend-title").textContent = shown.title + (shown.unit ? ", " + shown.unit : "");
+    element("legend-bar").hidden = paint.ticks.length === 0;
+    draw_bar(paint.table);
+    if (paint.ticks.length === 1) element("legend-ticks").append(document.createElement("span"));  // in the middle
+    paint.ticks.forEach(function (value) {
+      const tick = document.createElement("span");
+      tick.textContent = s.number(value, 3);
+      element("legend-ticks").append(tick);
+    });
+    if (paint.ticks.length === 1) element("legend-ticks").append(document.createElement("span"));
+    const notes = [];
+    if (paint.ticks.length === 0) notes.push("the result has none");
+    if (paint.open > 0) notes.push("grey" + (paint.of === "springs" ? ", dashed" : "") + ": " + paint.open + " of " + paint.count + " not determined by the data");
+    if (paint.of !== "springs" || paint.without > 0) notes.push("pale: without such a value");
+    element("legend-note").textContent = notes.join("; ");
+  }
+
   function show_legend() {
     const quantity = s.shown.colour;
     element("legend").hidden = false;
@@ -22,16 +51,15 @@
       return;
     }
     const tension = quantity === "tension", shown = run.quantity(quantity), range = shown.range, unit = shown.unit;
+    if (shown.paint) {
+      show_painted(shown);
+      return;
+    }
     const table = shown.symmetric ? s.colours.tension.table : s.colours.speed.table;
     element("legend-title").textContent = shown.title + (range.shown > 0 ? (unit ? ", " : "") : ": 0 ") + unit;
     element("legend-bar").hidden = range.shown === 0;
     if (range.shown === 0) return;
-    const bar = element("legend-bar"), context = bar.getContext("2d");
-    for (let x = 0; x < bar.width; ++x) {
-      const at = 3 * Math.round(255 * x / (bar.width - 1));
-      context.fillStyle = "rgb(" + table.slice(at, at + 3).join(",") + ")";
-      context.fillRect(x, 0, 1, bar.height);
-    }
+    draw_bar(table);
     const ticks = shown.symmetric ? [-range.shown, 0, range.shown] : [0, range.shown / 2, range.shown];
     ticks.forEach(function (value) {
       const tick = document.createElement("span");

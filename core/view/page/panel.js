@@ -54,6 +54,10 @@
     }
     dots.forEach(function (each) { add("dot", each[0], each[1]); });
     if (run.rigids.length > 0) add("bar", s.colours.rigid, "rigid connection");
+    if (run.is_learned) {
+      add("bar", s.colours.start, "motion of the values at the start");
+      if (run.observed_most > 0) add("ring", s.colours.observed, "observed, next to the time of the record");
+    }
     if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene’s loads");
     happened.forEach(function (name) { add("mark", s.mark_colours[name], "timeline: " + names[name]); });
   }
@@ -61,7 +65,8 @@
   function hide_unused_controls() {
     const present = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
                     faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0,
-                    forces: about.loads.length > 0, arrows: s.arrow_modes.differ, displacement: s.has_motion };
+                    forces: about.loads.length > 0, arrows: s.arrow_modes.differ, displacement: s.has_motion,
+                    learned: run.is_learned, observed: run.is_learned && run.observed_most > 0 };
     document.querySelectorAll("#panel [data-for]").forEach(function (label) {
       label.style.display = present[label.dataset.for] ? "" : "none";
     });
@@ -73,7 +78,7 @@
     show_banner();
     show_key();
     hide_unused_controls();
-    ["springs", "broken", "nodes", "faces", "instruments", "forces"].forEach(function (what) {
+    ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed"].forEach(function (what) {
       const box = element("show-" + what);
       box.checked = s.shown[what];
       box.addEventListener("change", function () {
@@ -99,6 +104,15 @@
     });
     about.states.forEach(function (state, k) {
       element("colour").append(new Option(state.label + (state.unit ? " (" + state.unit + ")" : ""), "state" + k));
+    });
+    run.learned.forEach(function (learned, k) {
+      const group = document.createElement("optgroup");
+      group.label = learned.name;
+      Object.keys(s.paint_kinds).forEach(function (kind) {
+        const name = "learned" + k + "." + kind, shown = run.quantity(name);
+        group.append(new Option(shown.title + (shown.unit ? " (" + shown.unit + ")" : ""), name));
+      });
+      element("colour").append(group);
     });
     element("colour").value = s.shown.colour;
     element("colour").addEventListener("change", function (event) {

@@ -32,7 +32,17 @@
       const score = depth + 2e-4 * pixels;
       if (score < best_score) { best_score = score; best = item; }
     }
-    if (s.shown.nodes || !s.shown.springs) {
+    const paint = run.quantity(s.shown.colour).paint;
+    if (paint && paint.of === "elements" && s.shown.learned) {
+      const middle = [0, 0, 0], view = document.getElementById("view");
+      for (let k = 0; k < run.elements; ++k) {
+        run.middle_of(k, positions, middle, 0);
+        point.fromArray(middle).project(s.camera.camera);
+        offer(Math.hypot(0.5 * (1 + point.x) * view.clientWidth - x, 0.5 * (1 - point.y) * view.clientHeight - y), 9, point.z, { element: k });
+      }
+      if (best) return best;
+    }
+    if ((s.shown.nodes || !s.shown.springs) && !(run.is_learned && !s.shown.learned)) {
       for (let k = 0; k < run.nodes; ++k) {
         offer(Math.hypot(places[3 * k] - x, places[3 * k + 1] - y), 9, places[3 * k + 2], { node: k });
       }
@@ -99,6 +109,8 @@
       return [["rigid", "connection " + picked.rigid], ["nodes", ends(run.rigids, picked.rigid)],
               ["length", length(distance(positions, a, b), length_step(positions, a, b))]];
     }
+    if (picked.element !== undefined)
+      return [["element", run.element_numbers[picked.element]]].concat(s.learned_numbers("elements", picked.element));
     if (picked.node !== undefined) {
       const k = picked.node, states = ["free", "fixed", "moved by the scene"], force = force_on(k, frame);
       const rows = [["node", run.node_numbers[k] + membership("first_node", "nodes", run.node_numbers[k])],
@@ -107,7 +119,7 @@
                     ["mass", s.number(run.masses[k]) + " kg"],
                     ["state", states[run.kinds[k]] + (run.in_contact(frame, k) ? ", in contact" : "")]];
       if (force && Math.hypot(force[0], force[1], force[2]) > 0) rows.push(["force", numbers(force, 1, 0) + " N"]);
-      return rows;
+      return run.is_learned ? rows.concat(s.learned_numbers("nodes", k)) : rows;
     }
     const k = picked.spring, a = run.ends[2 * k], b = run.ends[2 * k + 1];
     const now = distance(positions, a, b), rest = run.rest_lengths[k], step = length_step(positions, a, b) + s.float_step * rest;
@@ -126,6 +138,7 @@
       const state = run.about.states[which];
       rows.push([state.label, s.number(run.state(frame, k, which), 5) + (state.unit ? " " + state.unit : "")]);
     });
+    if (run.is_learned) return rows.concat(s.learned_numbers("springs", k));
     rows.push(["law", run.about.materials[run.materials[k]]]);
     return rows;
   };

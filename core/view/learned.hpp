@@ -1,0 +1,27 @@
+// What the page of a learned net has beside that of a run: values with their intervals, and places that were observed.
+#pragma once
+
+#include <ostream>
+
+#include "view/content.hpp"
+
+namespace springnet::view {
+
+// Bytes, before base64: of all values; of the observed places in a frame, at most; of both and of the motion of the
+// start, for a spring in a frame, on average.
+[[nodiscard]] double values_bytes(const Content& content);
+[[nodiscard]] double observed_bytes(const LearnedView* learned);
+[[nodiscard]] double learned_cost(const LearnedView& learned, const Network& network, double frames);
+
+// A place is in the frame next to its time, and of a node only the one whose time is nearest to that of the frame.
+struct ObservedFrames {
+  std::vector<std::uint32_t> first;  // of each frame, and the number of all
+  std::vector<std::uint32_t> nodes;  // places in the selection; not_shown: of none that is shown
+  std::vector<float> points;         // x, y, z of each
+};
+[[nodiscard]] ObservedFrames observed_frames(const LearnedView& learned, const std::vector<double>& times,
+                                             const Selection& selection);
+
+void write_learned(std::ostream& out, const Content& content);
+
+}  // namespace springnet::view
