@@ -110,6 +110,8 @@ std::string unit_of(const LearnedParameter& each, const Network& network, const 
     case Kind::neuron_parameter:
       return unit_in(plugins, ComponentKind::neuron, network.neurons()[network.nodes()[each.member].neuron],
                      each.parameter);
+    case Kind::load:
+      return "";
     case Kind::spring_parameter:
     case Kind::viscosity_parameter:
       break;
@@ -125,6 +127,7 @@ std::string unit_of(const LearnedParameter& each, const Network& network, const 
 std::vector<ViewValues> painted(const LearnedNet& learned, const Network& network, const PluginHost& plugins) {
   std::vector<ViewValues> result;
   for (const LearnedParameter& each : learned.parameters) {
+    if (each.kind == LearnedValues::Kind::load) continue;  // which have no place on the body
     const ViewValues::Of of = members_of(each);
     const std::string name = name_of(each), unit = unit_of(each, network, plugins);
     auto found = std::find_if(result.begin(), result.end(), [&](const ViewValues& known) {
