@@ -10,7 +10,7 @@ namespace springnet::learning {
 
 namespace {
 
-constexpr double close_enough = 1.05;   // ratio of weights
+constexpr double close_enough = 1.1;    // ratio of weights
 constexpr double nearly_there = 0.998;  // of the noise
 
 // Tries weights, and keeps the curve.
@@ -40,6 +40,9 @@ double bend(const GuessPoint& greater, const GuessPoint& own, const GuessPoint& 
   const double x1 = 0.5 * (x(smaller) - x(greater)), y1 = 0.5 * (y(smaller) - y(greater));
   const double x2 = x(smaller) - 2.0 * x(own) + x(greater), y2 = y(smaller) - 2.0 * y(own) + y(greater);
   const double length = std::hypot(x1, y1);
+  constexpr double shortest =
+      0.02;  // of the logarithms: where the curve hardly goes on, its bends are those of searches
+  if (!(length > shortest)) return 0.0;
   const double result = (x2 * y1 - x1 * y2) / (length * length * length);
   return std::isfinite(result) ? result : 0.0;
 }
@@ -78,10 +81,11 @@ GuessChoice weight_by_discrepancy(double greatest, double rms_of_guess, std::siz
     within = curve.run(greatest * std::pow(10.0, -decade), &above.x);
     if (within.stopped) return curve.choose(std::move(within), {});
   }
-  while (above.point.weight > close_enough * within.point.weight && within.point.rms < nearly_there) {
-    // Interpolated between logarithms, but not so near to an end that it would stay.
+  for (int step = 0; above.point.weight > close_enough * within.point.weight && within.point.rms < nearly_there;
+       ++step) {
+    // Interpolated between logarithms; every other time halved, as interpolation comes from one side alone.
     const double low = std::log(within.point.rms), high = std::log(above.point.rms);
-    const double share = std::clamp(-low / (high - low), 0.1, 0.9);
+    const double share = step % 2 == 0 ? std::clamp(-low / (high - low), 0.1, 0.9) : 0.5;
     const double weight = within.point.weight * std::pow(above.point.weight / within.point.weight, share);
     GuessTrial next = curve.run(weight, &within.x);
     if (next.stopped) return curve.choose(std::move(next), {});
@@ -98,11 +102,12 @@ GuessChoice weight_by_l_curve(double greatest, const GuessSearch& search) {
   for (int step = 0; step <= steps; ++step) {
     trials.push_back(curve.run(greatest * std::pow(10.0, -0.5 * step), trials.empty() ? nullptr : &trials.back().x));
     if (trials.back().stopped) return curve.choose(std::move(trials.back()), {});
-    // Past the corner nothing follows but values that run away.
+    // Past the corner nothing follows but values that run away, or stay where the data determine all of them.
     if (step < 4) continue;
     const GuessPoint &first = trials.front().point, &before = trials[trials.size() - 3].point,
                      &own = trials.back().point;
-    if (own.rms < 0.9 * first.rms && own.rms > (1.0 - flat) * before.rms && own.distance > 2.0 * before.distance) break;
+    const bool stays = own.rms > (1.0 - flat) * before.rms && own.rms < 0.9 * first.rms;
+    if (stays && (own.distance > 2.0 * before.distance || own.distance < 1.01 * before.distance)) break;
   }
   std::size_t corner = 0;
   double greatest_bend = 0.1;  // less is no corner: radius 10 of the logarithms

@@ -30,7 +30,7 @@ struct GuessChoice {
 // greatest: a weight that holds all but what the observations determine best. Searches go from greater to smaller
 // weights, each from what the one before found: the least determined values are set free last.
 
-// The greatest weight (to 5 %) with which the rms of the residuals, in units of their standard deviations, is at most
+// The greatest weight (to 10 %) with which the rms of the residuals, in units of their standard deviations, is at most
 // 1: what is nearer to the observations than their noise follows the noise (Morozov, Soviet Math. Dokl. 7, 1966).
 // rms_of_guess: of the motion with the guess.
 [[nodiscard]] GuessChoice weight_by_discrepancy(double greatest, double rms_of_guess, std::size_t observed,

@@ -229,3 +229,35 @@ TEST_CASE("values at bounds are told") {
                  "are at a bound; the observations would have them beyond, or the model is not theirs: mass of "
                  "nodes "));
 }
+
+TEST_CASE("of more variables than have intervals it is told what products show") {
+  // Two chains, of which one is seen.
+  constexpr std::uint32_t half = 1010;
+  Network net = chain(half, {0, 0, 0}, {1, 0, 0}, damped(40.0, 1.0));
+  for (NodeIndex k = 0; k < half; ++k) net.add_node(point({static_cast<double>(k), 5, 0}));
+  for (NodeIndex k = half; k + 1 < 2 * half; ++k) net.add_spring(k, k + 1, 0);
+  for (NodeIndex k = 0; k < 2 * half; ++k) {
+    Node node = net.nodes()[k];
+    node.velocity = {0.3 * std::sin(1.0 * k), 0.3 * std::cos(2.0 * k), 0};
+    net.set_node(k, node);
+  }
+  Simulation real(net, plugins(), half_steps);
+  LearnOptions options;
+  options.stages = 1;
+  options.max_iterations = 1;
+  options.guess_weight = 1e-6;
+  const LearnedNet learned = learn({experiment(net, half_steps, observe(real, 6, from_to(0, half), 1e-3))}, plugins(),
+                                   {{{Kind::mass, false, "", from_to(0, 2 * half)}}}, options);
+  CHECK(learned.variables == 2 * half);
+  REQUIRE_FALSE(learned.singular_values.empty());
+  CHECK(std::is_sorted(learned.singular_values.rbegin(), learned.singular_values.rend()));
+  CHECK(has_note(learned, "greatest, by Lanczos' method"));
+  for (const LearnedParameter& each : learned.parameters) {
+    CHECK(each.has_influence == (each.member < half));
+    CHECK(each.from_guess <= 1.0);
+    CHECK(each.from_guess >= 0.0);
+    if (each.member >= half) CHECK(each.from_guess == doctest::Approx(1.0).epsilon(1e-12));
+    CHECK(std::isinf(each.upper));
+    CHECK(std::isnan(each.determined));
+  }
+}

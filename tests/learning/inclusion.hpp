@@ -54,31 +54,31 @@ inline Load pulse_on(const Network& net, std::uint32_t nodes, int axis, const Ve
 }
 
 inline Inclusion inclusion(const InclusionOptions& options) {
-  const Network block = block_of(options);
+  const Network plain = block_of(options);
   Inclusion result;
   // The cell in the middle, or next to it.
   const double far = options.nodes - 1.0, half = 0.5 * (1.0 + 0.125);
   const Vector3 middle = Vector3::Constant(std::floor(0.5 * far) + 0.5);
   std::vector<double> stiffness;
-  for (const Spring& each : block.springs()) {
-    const Vector3 at = 0.5 * (block.nodes()[each.first].position + block.nodes()[each.second].position);
+  for (const Spring& each : plain.springs()) {
+    const Vector3 at = 0.5 * (plain.nodes()[each.first].position + plain.nodes()[each.second].position);
     result.is_stiff.push_back((at - middle).cwiseAbs().maxCoeff() <= half);
     stiffness.push_back(stiffness_around * (result.is_stiff.back() ? options.contrast : 1.0));
   }
   std::vector<NodeIndex> surface;
-  for (NodeIndex k = 0; k < block.nodes().size(); ++k) {
-    const Vector3& p = block.nodes()[k].position;
-    if (!block.nodes()[k].fixed && (p.minCoeff() < 0.5 || p.maxCoeff() > far - 0.5)) surface.push_back(k);
+  for (NodeIndex k = 0; k < plain.nodes().size(); ++k) {
+    const Vector3& p = plain.nodes()[k].position;
+    if (!plain.nodes()[k].fixed && (p.minCoeff() < 0.5 || p.maxCoeff() > far - 0.5)) surface.push_back(k);
   }
   const SimulationOptions with = to_learn_with(0.5, options.step);
-  const Load loads[] = {pulse_on(block, options.nodes, 2, {0, 0, -20}), pulse_on(block, options.nodes, 2, {20, 0, 0}),
-                        pulse_on(block, options.nodes, 0, {-20, 0, 0})};
+  const Load loads[] = {pulse_on(plain, options.nodes, 2, {0, 0, -20}), pulse_on(plain, options.nodes, 2, {20, 0, 0}),
+                        pulse_on(plain, options.nodes, 0, {-20, 0, 0})};
   double square = 0.0;
   for (const Load& load : loads) {
-    Network net = block;
+    Network net = plain;
     net.add_load(load);
     Simulation real(net, plugins(), with);
-    real.set_parameter(from_to(0, block.springs().size()), ComponentKind::spring_function, "stiffness", stiffness);
+    real.set_parameter(from_to(0, plain.springs().size()), ComponentKind::spring_function, "stiffness", stiffness);
     Observations seen;
     const int steps = static_cast<int>(std::lround(options.duration / options.step));
     for (int k = 1; k <= steps; ++k) {
@@ -86,7 +86,7 @@ inline Inclusion inclusion(const InclusionOptions& options) {
       if (k % options.every != 0) continue;
       for (const NodeIndex node : surface) {
         seen.positions.push_back(row(real.time(), node, real.position(node)));
-        square += (real.position(node) - block.nodes()[node].position).squaredNorm();
+        square += (real.position(node) - plain.nodes()[node].position).squaredNorm();
       }
     }
     result.experiments.push_back(experiment(net, with, std::move(seen)));

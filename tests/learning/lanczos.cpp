@@ -9,7 +9,11 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "learning/certainty.hpp"
+#include "learning/fit.hpp"
 #include "learning/lanczos.hpp"
+#include "learning/many_variables.hpp"
+#include "learning_nets.hpp"
 
 using namespace springnet::learning;
 using Eigen::Index;
@@ -69,4 +73,29 @@ TEST_CASE("equal singular values are found with the last of the products, and th
   const SingularValues wide = found_in(with_singular_values(20, values).transpose(), {100, 100, 1e-10});
   CHECK(wide.values.size() == 5);
   CHECK(found_in(MatrixXd::Zero(3, 2), {}).values.size() == 0);
+}
+
+TEST_CASE("singular values of a motion's sensitivities by products are those of the whole Jacobian") {
+  using namespace springnet;
+  using namespace springnet::testing;
+  Network net = chain(6, {0, 0, 0}, {1, 0, 0}, damped(40.0, 1.0));
+  net.fix(0);
+  net.set_gravity({0, 0, -2});
+  const SimulationOptions options = to_learn_with(0.5, 0.05);
+  Simulation real(net, plugins(), options);
+  // Scales of several sizes: stiffnesses as they are, masses by their logarithm.
+  const std::vector<Learnable> learnables{{{LearnedValues::Kind::spring_parameter, false, "stiffness", from_to(0, 5)}},
+                                          {{LearnedValues::Kind::mass, false, "", from_to(1, 6)}}};
+  for (const double guess_weight : {0.0, 0.1}) {
+    Fit fit({experiment(net, options, observe(real, 20, {5}, 0.01))}, plugins(), learnables, guess_weight);
+    fit.linearise(fit.variables().start());
+    const MatrixXd jacobian = fit.times(MatrixXd(fit.variables().scale().asDiagonal())).topRows(fit.observation_rows());
+    const Certainty dense(jacobian, VectorXd::Zero(fit.observation_rows()), fit.observed());
+    const SingularValues found = singular_values(fit, {10, 10, 1e-9});
+    REQUIRE(found.values.size() >= 8);
+    for (Index k = 0; k < found.values.size(); ++k)
+      CHECK(found.values[k] == doctest::Approx(dense.singular_values()[static_cast<std::size_t>(k)])
+                                   .epsilon(1e-9 * found.values[0] / found.values[k]));
+    real = Simulation(net, plugins(), options);
+  }
 }

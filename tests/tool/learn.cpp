@@ -1,7 +1,11 @@
+#include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "tool.hpp"
 
@@ -191,6 +195,58 @@ TEST_CASE("learn finds fields, masses and loads from the tables of motion and re
     CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 400.0 : 1.5).epsilon(1e-6));
 }
 
+TEST_CASE("learn takes the weight of the guess from a rule, and judges by what is held out") {
+  const TemporaryFolder folder;
+  folder.write("real.toml", bar(400, 3));
+  folder.write("guess.toml", bar(250, 3));
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  // Every other line is held out; standard deviations of 1 mm, and noise of about that size.
+  const std::string table = testing::read_text(folder.path() / "seen/trajectory.csv");
+  std::string learned = "time,node,x,y,z,s\n", held_out = learned;
+  std::size_t number = 0;
+  for (std::size_t from = table.find('\n') + 1; from < table.size(); ++number) {
+    const std::size_t end = table.find('\n', from);
+    std::vector<double> cells;
+    for (std::size_t cell = from; cells.size() < 5; cell = table.find(',', cell) + 1)
+      cells.push_back(std::stod(table.substr(cell, end - cell)));
+    for (std::size_t k = 2; k < 5; ++k) cells[k] += 1.4e-3 * std::sin(static_cast<double>(7 * number * number + k));
+    (number % 2 == 0 ? learned : held_out) +=
+        fmt::format("{},{},{},{},{},0.001\n", cells[0], cells[1], cells[2], cells[3], cells[4]);
+    from = end + 1;
+  }
+  folder.write("learned.csv", learned);
+  folder.write("held_out.csv", held_out);
+  const std::string command = "learn guess.toml --observations learned.csv --parameters spring.stiffness ";
+  for (const char* const rule : {"discrepancy", "l-curve"}) {
+    CAPTURE(rule);
+    const Answer answer = testing::springnet(
+        folder, command + "--held-out held_out.csv --quiet -o out --guess-weight " + std::string(rule));
+    CAPTURE(answer.err);
+    REQUIRE(answer.status == 0);
+    const auto json = testing::read_json(folder.path() / "out/learning.json");
+    CHECK(json["guess_weight"].get<double>() > 0.0);
+    CHECK(json["guess_curve"].size() > 3);
+    CHECK(json["parameters"][5]["from_guess"].get<double>() > 0.0);
+    CHECK(json["parameters"][5]["has_influence"] == true);
+    // Of other nodes than those that were seen.
+    CHECK(json["held_out"]["start_rms"].get<double>() > 50.0);
+    CHECK(json["held_out"]["rms"].get<double>() < 4.0);
+  }
+  const Answer told = testing::springnet(folder, command + "--held-out held_out.csv -o told --guess-weight 1");
+  CHECK(has(told.out, "held out: "));
+  const Answer wrong = testing::springnet(folder, command + "--guess-weight -1");
+  CHECK(wrong.status == 2);
+  CHECK(has(wrong.err, "--guess-weight"));
+  const Answer plain = testing::springnet(folder,
+                                          "learn guess.toml --observations seen/trajectory.csv --parameters "
+                                          "spring.stiffness --guess-weight discrepancy");
+  CHECK(plain.status == 2);
+  CHECK(has(plain.err, "standard deviations"));
+  const Answer twice = testing::springnet(folder, command + "--held-out learned.csv");
+  CHECK(twice.status == 2);
+  CHECK(has(twice.err, "a second time"));
+}
+
 TEST_CASE("learn refuses observations and selections with what is wrong, and where") {
   const TemporaryFolder folder;
   folder.write("bar.toml", bar(250, 1));
@@ -211,8 +267,10 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
   for (const Wrong& wrong :
        {Wrong{"seen.csv --parameters mass", "seen.csv:3"},
         Wrong{"late.csv --parameters mass", "late.csv: nothing is observed during the motion"},
-        Wrong{"far.csv --parameters mass", "far.csv:3"}, Wrong{"odd.csv --parameters mass", "odd.csv:2"},
-        Wrong{"none.csv --parameters mass", "none.csv"}, Wrong{"absent.csv --parameters mass", "absent.csv"},
+        Wrong{"far.csv --parameters mass", "far.csv:3"},
+        Wrong{"odd.csv --parameters mass", "odd.csv:2"},
+        Wrong{"none.csv --parameters mass", "none.csv"},
+        Wrong{"absent.csv --parameters mass", "absent.csv"},
         Wrong{"seen.csv --parameters spring.stifness", "did you mean 'stiffness'"},
         Wrong{"seen.csv --parameters mass@bat", "did you mean 'bar'"},
         Wrong{"good.csv --parameters mass --experiment bar.toml", "--experiment bar.toml: write SCENE=FILE"},
@@ -225,8 +283,9 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"good.csv --parameters mass --starts 0", "--starts"},
         Wrong{"good.csv --parameters mass --starts 2 --method online", "--starts is of --method trajectory"},
         Wrong{"good.csv --parameters mass --resume", "learning.state: there is none"},
-                Wrong{"seen.csv --parameters mass:field=two", "the degree of a field"},
-        Wrong{"seen.csv --parameters load", "there are no loads"}, Wrong{"seen.csv", "--parameters is required"}}) {
+        Wrong{"seen.csv --parameters mass:field=two", "the degree of a field"},
+        Wrong{"seen.csv --parameters load", "there are no loads"},
+        Wrong{"seen.csv", "--parameters is required"}}) {
     CAPTURE(wrong.arguments);
     const Answer answer = testing::springnet(folder, std::string("learn bar.toml --observations ") + wrong.arguments);
     CAPTURE(answer.err);
