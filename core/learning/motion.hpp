@@ -1,0 +1,191 @@
+// A motion with its derivatives: what MotionDerivatives consists of. Forwards in motion_forwards.cpp, backwards in
+// motion_backwards.cpp.
+#pragma once
+
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+#include <springnet/motion_derivatives.hpp>
+#include <springnet/sdk/host.hpp>
+
+#include "learning/constrained_outputs.hpp"
+#include "learning/internal_states.hpp"
+#include "learning/learned_values.hpp"
+#include "learning/motion_checks.hpp"
+#include "learning/removals.hpp"
+#include "learning/step_constraints.hpp"
+#include "learning/step_solver.hpp"
+#include "learning/trajectory.hpp"
+#include "simulation/engine.hpp"
+#include "simulation/host_table.hpp"
+
+namespace springnet {
+
+// Vectors of all nodes have the engine's order, x of all nodes, then y, then z.
+struct MotionDerivatives::Impl {
+  using State = learning::Trajectory::State;
+  // A step at the state where it ends, and how its derivatives are weighed.
+  struct Step {
+    std::size_t number;  // of the state at its end
+    const State &from, &until;
+    double w, c;  // s
+  };
+
+  Impl(const std::shared_ptr<const Network>& net, const std::shared_ptr<const PluginHost>& plugins,
+       const SimulationOptions& options, double duration, std::vector<LearnedValues> values)
+      : learned(*net, std::move(values)),
+        simulation(net, plugins, options),
+        trajectory(simulation, [this](State& to) { record(to); }),
+        engine(net->without_constraints(), *plugins, options),
+        table(make_host_table(engine)),
+        host(table),
+        solver(host),
+        theta(learning::option(options.integrator, "theta", 1.0)),
+        internal(engine, theta),
+        same_at_both(learning::have_no_jumps(*net) && !internal.any()),
+        removals(engine),
+        steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
+    learning::check_method(*net, options.integrator);
+    if (!(duration > 0.0) || !std::isfinite(duration) || steps == 0)
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: a duration of {} s has no time step of {} s", duration, options.time_step));
+    nodes = host.network().node_count;
+    learned.attach(engine);
+    network_values = learned.values_of(engine);
+    if (!net->planes().empty() || !net->instruments().empty() || !net->rigids().empty()) {
+      constraints = std::make_unique<learning::StepConstraints>(*net, *plugins, options);
+      constraints->check_starts(learned, simulation);
+      removals.follow(constraints->engine());
+    }
+    internal.check_start(learned, network_values);
+    saved_start = simulation.save();
+    for (Eigen::VectorXd* each : {&dp, &dv, &rhs, &product, &other, &solution}) each->setZero(size());
+  }
+
+  [[nodiscard]] Eigen::Index size() const { return 3 * static_cast<Eigen::Index>(nodes); }
+  // With the internal states as they are, or of the step that ends there.
+  [[nodiscard]] springnet_evaluation evaluation(const State& at) {
+    springnet_evaluation result = nodes_at(at);
+    result.internal = internal.as_they_are(at.z);
+    return result;
+  }
+  [[nodiscard]] springnet_evaluation end_of(const Step& step) {
+    springnet_evaluation result = nodes_at(step.until);
+    result.internal = internal.stepped(step.until.time - step.from.time);
+    return result;
+  }
+  [[nodiscard]] springnet_evaluation nodes_at(const State& at) const {
+    auto result = sdk::sized<springnet_evaluation>();
+    result.time = at.time;
+    result.position = {at.p.data(), at.p.data() + nodes, at.p.data() + 2 * nodes};
+    result.velocity = {at.v.data(), at.v.data() + nodes, at.v.data() + 2 * nodes};
+    return result;
+  }
+  [[nodiscard]] Step step(std::size_t k) {
+    const auto [from, until] = trajectory.step(k);
+    const double h = until.time - from.time;
+    return {k, from, until, theta * h, (1.0 - theta) * h};
+  }
+  // Of nodes whose motion is given nothing depends on what is learned.
+  void clear_pinned(Eigen::VectorXd& values) const {
+    const springnet_network& network = host.network();
+    for (std::size_t k = 0; k < nodes; ++k)
+      if (network.fixed[k] != 0 || network.held[k] != 0)
+        for (std::size_t axis = 0; axis < 3; ++axis) values[static_cast<Eigen::Index>(axis * nodes + k)] = 0.0;
+  }
+  [[nodiscard]] Eigen::Matrix3Xd in_user_order(const Eigen::VectorXd& values) const {
+    Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(nodes));
+    const std::vector<std::uint32_t>& number = engine.model().layout.ordering().engine;
+    for (std::size_t k = 0; k < nodes; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        result(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k)) =
+            values[static_cast<Eigen::Index>(axis * nodes + number[k])];
+    return result;
+  }
+  void add_from_user_order(const Eigen::Matrix3Xd& from, Eigen::VectorXd& to) const {
+    const std::vector<std::uint32_t>& number = engine.model().layout.ordering().engine;
+    for (std::size_t k = 0; k < nodes; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        to[static_cast<Eigen::Index>(axis * nodes + number[k])] +=
+            from(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k));
+  }
+
+  void check_number(std::size_t state) const {
+    if (state >= trajectory.size())
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: state {} does not exist: the last run has {}", state, trajectory.size()));
+  }
+  [[nodiscard]] const State& at(std::size_t state) {
+    check_number(state);
+    return trajectory.at(state);
+  }
+  void begin(const Eigen::VectorXd& values);
+  void run(const Eigen::VectorXd& values);
+  void record(State& to) const;
+  [[nodiscard]] State present() const {
+    State result;
+    record(result);
+    return result;
+  }
+  void check_step(std::size_t state);
+  void begin_tangent(const Eigen::MatrixXd& directions);
+  [[nodiscard]] Eigen::MatrixXd columns_in_user_order(const Eigen::MatrixXd& values) const;
+  void tangent(const Eigen::MatrixXd& directions, const StateTangents& told);
+  void begin_steps(const Eigen::VectorXd& values, const Eigen::MatrixXd& directions);
+  void make_step(const Eigen::VectorXd& values, const Eigen::MatrixXd& directions);
+  Eigen::VectorXd adjoint(const std::function<void(std::size_t, StateChange&)>& add);
+  void begin_step(const Step& step);
+  void step_forwards(const Step& step);
+  void add_internal_at_start(const sdk::Host& of, const springnet_evaluation& start, double weight);
+  void step_backwards(std::size_t k);
+  void add_start(const sdk::Host& of);
+  void start_backwards(std::size_t k);
+  void guess_backwards();
+  void set_engines(const Eigen::VectorXd& values);
+  void find_outputs(const Step& step);
+  [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
+  [[nodiscard]] Engine& engine_of(const sdk::Host& of) { return &of == &host ? engine : constraints->engine(); }
+  [[nodiscard]] bool is_constrained_at(std::size_t state) { return constraints && constraints->any_at(state); }
+  template <class Function>
+  void with_messages(const Function& function) const {
+    try {
+      function();
+    } catch (const sdk::Failure& failure) {
+      throw Error(ErrorKind::simulation, std::string("learning: ") + failure.what());
+    }
+  }
+
+  learning::LearnedSets learned;
+  Simulation simulation;
+  learning::Trajectory trajectory;  // of the last run
+  // Answers for derivatives, at the states of the last run, of the net without constraints; which, null: there are
+  // none, are by themselves.
+  Engine engine;
+  springnet_host table;
+  sdk::Host host;
+  std::unique_ptr<learning::StepConstraints> constraints;
+  learning::ConstrainedOutputs outputs;  // of a step
+  learning::StepSolver solver;
+  double theta;
+  learning::InternalStates internal;
+  bool same_at_both;  // accelerations at a time, as the end of a step and as the start of the next one
+  learning::Removals removals;
+  double accuracy = 1e-10;
+  std::size_t steps, nodes = 0;
+  std::string saved_start;
+  Eigen::VectorXd network_values;
+  Eigen::VectorXd dp, dv;  // the change of a state, or derivatives of the loss by it
+  Eigen::VectorXd rhs, product, other, solution, work;
+  Eigen::VectorXd weights;                  // of the accelerations at a state
+  std::deque<Eigen::VectorXd> solved;       // backwards: of the last steps
+  Eigen::VectorXd pending;                  // those that the step after a state has for its start; empty: none
+  Eigen::MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
+  Eigen::MatrixXd dps_before, dvs_before;   // at the start of the step made last
+};
+
+}  // namespace springnet

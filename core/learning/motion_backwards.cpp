@@ -1,0 +1,109 @@
+#include "learning/motion.hpp"
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// What a step has for the accelerations at its start, at the derivatives of that state which are at hand. dp and dv are
+// derivatives by this state.
+void MotionDerivatives::Impl::add_start(const sdk::Host& of) {
+  of.jacobian_transposed_times(pending.data(), product.data(), other.data(), SPRINGNET_TRUE_FRICTION);
+  if (&of != &host) constraints->add_carried_transposed(pending, product);
+  dp += product;
+  dv += other;
+  weights += pending;
+  pending.resize(0);
+}
+
+void MotionDerivatives::Impl::start_backwards(std::size_t k) {
+  const springnet_evaluation start = evaluation(trajectory.at(k));
+  const sdk::Host& of = host_at_start(k, trajectory.time(k), trajectory.time(k + 1));
+  of.linearise(start);
+  if (internal.any()) {
+    work = pending;
+    if (&of != &host) {
+      host.linearise(start);
+      constraints->project(true, work.data());
+    }
+    internal.weigh_accelerations(start, work);
+  }
+  weights.setZero(size());
+  add_start(of);
+  learned.add_cotangent(engine_of(of), of, start, weights.data());
+}
+
+// The solutions of the steps after this one go on, nearly.
+void MotionDerivatives::Impl::guess_backwards() {
+  while (solved.size() > 2) solved.pop_front();
+  if (solved.empty())
+    solution.setZero();
+  else
+    solution = solved.size() == 1 ? solved.back() : VectorXd(2.0 * solved.back() - solved.front());
+}
+
+void MotionDerivatives::Impl::step_backwards(std::size_t k) {
+  // The accelerations at the start of the next step may have other loads, states, springs or contacts than those at the
+  // end of this one.
+  if (pending.size() > 0 && (!same_at_both || removals.any_at(k) || is_constrained_at(k))) start_backwards(k);
+  removals.set_for_step(k);
+  const Step own = step(k);
+  const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
+  weights.setZero(size());
+  begin_step(own);
+  find_outputs(own);
+  solver.prepare(end, own.w, 1, &outputs);
+  if (pending.size() > 0) add_start(host);
+  internal.weigh_end(end, dp, dv);
+  clear_pinned(dp);
+  clear_pinned(dv);
+  outputs.to_free(dp, dv, rhs);
+  clear_pinned(rhs);
+  guess_backwards();
+  solver.solve_transposed(rhs, accuracy, solution, product, other);
+  solved.push_back(solution);
+  weights += own.w * solution;
+  learned.add_cotangent(engine, host, end, weights.data(), internal.weights());
+  product = dp + own.w * product;
+  other = dv + own.w * other;
+  if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
+  outputs.to_start(product, other, dp, dv);
+  dv += solution;
+  internal.weigh_start(start, end, own.w * solution, dp, dv);
+  clear_pinned(dp);
+  clear_pinned(dv);
+  if (own.c > 0.0) pending = own.c * solution;
+}
+
+VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
+  learned.begin_cotangent();
+  solved.clear();
+  dp.setZero();
+  dv.setZero();
+  internal.begin_weights();
+  pending.resize(0);
+  const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
+  for (std::size_t k = trajectory.size(); k-- > 0;) {
+    StateChange own{zero, zero};
+    add(k, own);
+    if (own.positions.cols() != zero.cols() || own.velocities.cols() != zero.cols())
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: derivatives by state {} are of {} and {} nodes, must be of {}", k,
+                              own.positions.cols(), own.velocities.cols(), zero.cols()));
+    add_from_user_order(own.positions, dp);
+    add_from_user_order(own.velocities, dv);
+    if (k > 0) with_messages([&] { step_backwards(k); });
+  }
+  if (pending.size() > 0) {
+    removals.set_for_step(1);
+    with_messages([&] { start_backwards(0); });
+  }
+  clear_pinned(dv);
+  return learned.cotangent(dv);
+}
+
+}  // namespace springnet

@@ -1,0 +1,132 @@
+#include "learning/motion.hpp"
+
+#include <springnet/error.hpp>
+
+namespace springnet {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Each column of dps and dvs is the change of a state.
+void MotionDerivatives::Impl::step_forwards(const Step& step) {
+  begin_step(step);
+  const Eigen::Index columns = dps.cols();
+  rhss = dvs;
+  const auto add = [&](const sdk::Host& of, const springnet_evaluation& where, double weight, bool at_end) {
+    other.setZero();
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      of.jacobian_times(dps.col(j).data(), dvs.col(j).data(), product.data(), SPRINGNET_TRUE_FRICTION);
+      if (&of != &host) {
+        work = dps.col(j);
+        constraints->add_carried(work, product);
+      }
+      learned.tangent(engine_of(of), of, where, changes.col(j), other.data(), at_end ? internal.by_values(j) : nullptr);
+      rhss.col(j) += weight * (product + other);
+    }
+  };
+  const springnet_evaluation start = evaluation(step.from);
+  if (step.c > 0.0) {
+    const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+    of.linearise(start);
+    add(of, start, step.c, false);
+    add_internal_at_start(of, start, step.c);
+    begin_step(step);
+  }
+  const springnet_evaluation end = end_of(step);
+  find_outputs(step);
+  solver.prepare(end, step.w, columns, &outputs);
+  internal.add_by_start(start, end, step.w, dps, dvs, rhss);
+  // Without the velocities V that are yet to be found.
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    outputs.from_start(dps.col(j), dvs.col(j), solution, product);
+    if (outputs.any()) outputs.add_masses(learned.mass_changes(changes.col(j), nodes), solution, product);
+    dps.col(j) = solution;
+    dvs.col(j) = product;
+  }
+  add(host, end, step.w, true);
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    rhs = rhss.col(j);
+    clear_pinned(rhs);
+    solver.solve(rhs, accuracy, solution);
+    outputs.from_free(solution, product, other);
+    product += dps.col(j);
+    other += dvs.col(j);
+    clear_pinned(product);
+    clear_pinned(other);
+    dps.col(j) = product;
+    dvs.col(j) = other;
+  }
+  internal.end_step(end, dps, dvs);
+}
+
+// What changes of internal states at the start make of the accelerations there.
+void MotionDerivatives::Impl::add_internal_at_start(const sdk::Host& of, const springnet_evaluation& start,
+                                                    double weight) {
+  if (!internal.any()) return;
+  if (&of == &host) return internal.add_accelerations(start, weight, rhss);
+  host.linearise(start);
+  MatrixXd free = MatrixXd::Zero(size(), rhss.cols());
+  internal.add_accelerations(start, weight, free);
+  for (Eigen::Index j = 0; j < free.cols(); ++j) constraints->project(false, free.col(j).data());
+  rhss += free;
+}
+
+void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
+  changes = directions;
+  dps.setZero(size(), directions.cols());
+  dvs.setZero(size(), directions.cols());
+  internal.begin_changes(directions.cols());
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) {
+    product.setZero();
+    learned.start_velocity(directions.col(j), product);
+    dvs.col(j) = product;
+  }
+}
+
+MatrixXd MotionDerivatives::Impl::columns_in_user_order(const MatrixXd& values) const {
+  MatrixXd result(values.rows(), values.cols());
+  for (Eigen::Index j = 0; j < values.cols(); ++j) result.col(j) = in_user_order(values.col(j)).reshaped();
+  return result;
+}
+
+void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTangents& told) {
+  begin_tangent(directions);
+  for (std::size_t k = 0;; ++k) {
+    told(k, columns_in_user_order(dps), columns_in_user_order(dvs));
+    if (k + 1 >= trajectory.size()) return;
+    removals.set_for_step(k + 1);
+    with_messages([&] { step_forwards(step(k + 1)); });
+  }
+}
+
+void MotionDerivatives::Impl::begin_steps(const VectorXd& values, const MatrixXd& directions) {
+  learned.check(values);
+  begin(values);
+  set_engines(values);
+  begin_tangent(directions);
+  dps_before = dps;
+  dvs_before = dvs;
+  trajectory.hold(present(), present());
+}
+
+void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& directions) {
+  if (trajectory.size() != 2 || directions.cols() != dps.cols())
+    throw Error(ErrorKind::input, "learning: steps are made after begin_steps(), with as many changes");
+  learned.check(values);
+  for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
+  learned.set_without_start(simulation, values);
+  removals.begin_at_last();
+  if (constraints) constraints->history().begin(simulation);
+  simulation.step();
+  check_step(1);
+  trajectory.hold(trajectory.at(1), present());
+  removals.set_for_step(1);
+  set_engines(values);
+  changes = directions;
+  dps_before = dps;
+  dvs_before = dvs;
+  with_messages([&] { step_forwards(step(1)); });
+}
+
+}  // namespace springnet
