@@ -4,7 +4,8 @@
 namespace springnet::tool {
 
 // For the <svg> in #figures, with the data of its panels in #panels and a box #values.
-inline constexpr const char* plot_style = R"(#values { position: fixed; z-index: 4; display: none; padding: 6px 9px; background: #ffffff; border: 1px solid #1a1a1a; white-space: pre;
+inline constexpr const char* plot_style =
+    R"(#values { position: fixed; z-index: 4; display: none; padding: 6px 9px; background: #ffffff; border: 1px solid #1a1a1a; white-space: pre;
   font: 13px "DejaVu Sans", Verdana, Helvetica, Arial, sans-serif; color: #1a1a1a; pointer-events: none; }
 )";
 inline constexpr const char* plot_script = R"("use strict";

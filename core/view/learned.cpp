@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <springnet/error.hpp>
 
 #include "view/blocks.hpp"
 
@@ -81,6 +82,24 @@ std::size_t nearest(const std::vector<double>& times, double wanted) {
 }
 
 }  // namespace
+
+void check(const LearnedView& learned, const Network& network) {
+  const auto refuse = [](const char* what, std::uint32_t member, std::size_t count) {
+    throw Error(ErrorKind::input, fmt::format("the page of what was learned: there is no {} {}; the network has {}",
+                                              what, member, count));
+  };
+  for (const ViewValues& values : learned.values) {
+    const bool of_nodes = values.of == ViewValues::Of::nodes, of_elements = values.of == ViewValues::Of::elements;
+    const std::size_t count = of_nodes      ? network.nodes().size()
+                              : of_elements ? network.elements().size()
+                                            : network.springs().size();
+    for (const ViewValues::Value& each : values.values)
+      if (each.member >= count) refuse(of_nodes ? "node" : of_elements ? "element" : "spring", each.member, count);
+  }
+  for (const ViewPoint& each : learned.observed)
+    if (each.node != ViewPoint::no_node && each.node >= network.nodes().size())
+      refuse("node", each.node, network.nodes().size());
+}
 
 double values_bytes(const Content& content) {
   double bytes = 0.0;

@@ -7,6 +7,9 @@
 
 namespace springnet::view {
 
+// Throws Error(input) for springs, nodes and elements that the network does not have.
+void check(const LearnedView& learned, const Network& network);
+
 // Bytes, before base64: of all values; of the observed places in a frame, at most; of both and of the motion of the
 // start, for a spring in a frame, on average.
 [[nodiscard]] double values_bytes(const Content& content);

@@ -45,6 +45,7 @@ FrameWidths widths_of(const Content& content) {
 
 Content make_content(const Scene& scene, double size, const PluginHost* plugins,
                      const std::shared_ptr<const LearnedView>& learned = nullptr) {
+  if (learned) check(*learned, scene.network);
   std::vector<LawStates> law_states =
       plugins != nullptr ? find_law_states(scene.network, *plugins) : scene.output.law_states;
   States states = states_of(scene.network, law_states);

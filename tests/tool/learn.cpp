@@ -48,7 +48,7 @@ TEST_CASE("learn finds the values of a run, and writes a scene that runs with th
   CHECK(has(answer.out, "spring.stiffness of spring 0"));
   CHECK(has(answer.err, "100 % of the time"));
   const std::string page = testing::read_text(folder.path() / "out/learning.html");
-  CHECK(page.starts_with("<!doctype html>"));
+  CHECK(page.starts_with("<!DOCTYPE html>"));
   CHECK(has(page, "Course of the search"));
   CHECK(has(page, "viscosity.damping"));
   const auto json = testing::read_json(folder.path() / "out/learning.json");

@@ -60,8 +60,8 @@ struct ViewOptions {
 // some are left out. The page and left_out() report both. The first and the last record are always there.
 class SPRINGNET_API ViewWriter {
  public:
-  // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created. The scene must
-  // outlive the writer.
+  // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created, or if what
+  // was learned is of springs, nodes or elements that the network does not have. The scene must outlive the writer.
   ViewWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options = {});
   ~ViewWriter();
   ViewWriter(const ViewWriter&) = delete;

@@ -6,6 +6,7 @@
   run.is_learned = about !== null;
   if (!about) return;
   s.shown.start = s.shown.observed = s.shown.learned = true;
+  s.shown.faces = false;  // they would dim the colours behind them
 
   const element_first = run.block("learned_element_first", Uint32Array), element_nodes = run.block("learned_element_nodes", Uint32Array);
   run.element_numbers = run.block("learned_elements", Uint32Array);
@@ -139,6 +140,7 @@
     const start_dots = new s.Dots(run.springs > 0 ? 0 : run.nodes), observed = new s.Dots(run.observed_most, 0.6), middles = new s.Dots(run.elements);
     this.layers = [open, start, start_dots, observed, middles];
     this.open = open;
+    this.middles = middles;
     function tint(dots, k, table, offset, size) {
       for (let c = 0; c < 3; ++c) dots.tints[3 * k + c] = table[offset + c];
       dots.sizes[k] = size;

@@ -83,6 +83,34 @@
       select.dispatchEvent(new Event("change", { bubbles: true }));
       return found;
     }
+    // What is painted: colours as they are drawn, springs and nodes in their order; the motions in three records; lines
+    // about the first spring and node.
+    function learned() {
+      const select = document.getElementById("colour"), first = select.value, found = { first: first, paints: {} };
+      function choose(name) { select.value = name; select.dispatchEvent(new Event("change", { bubbles: true })); }
+      Array.from(select.options).filter(function (each) { return each.value.startsWith("learned"); }).forEach(function (option) {
+        choose(option.value);
+        const springs = scene.springs.mesh.geometry, open = scene.learned.open.mesh.geometry;
+        found.paints[option.textContent] = {
+          springs: Array.from(springs.attributes.tint.array.slice(0, 3 * springs.maxInstancedCount)),
+          open: open.maxInstancedCount, nodes: Array.from(scene.dots.tints), elements: Array.from(scene.learned.middles.tints),
+          legend: document.getElementById("legend").textContent,
+          ticks: texts("#legend-ticks span"), bar: document.getElementById("legend-bar").offsetHeight };
+      });
+      choose(first);
+      found.records = [0, last >> 1, last].map(function (frame) {
+        const seen = run.observed(frame);
+        return { time: run.times[frame], learned: Array.from(run.positions.row(frame)), start: Array.from(run.start_positions.row(frame)),
+                 nodes: Array.from(seen.nodes), observed: Array.from(seen.points) };
+      });
+      player.go(last);
+      found.toggled = ["show-learned", "show-start", "show-observed"].map(toggled);
+      if (run.springs > 0) found.spring = s.numbers_of({ spring: 0 }, last).concat(s.numbers_of({ spring: run.springs - 1 }, last));
+      found.node = s.numbers_of({ node: run.nodes - 1 }, last);
+      if (run.elements > 0) found.element = s.numbers_of({ element: 0 }, last);
+      found.below = document.querySelectorAll("#figures svg .curve").length;
+      return found;
+    }
     // Whether a click in the middle of a broken spring that is too long to be drawn picks it.
     function picks_hidden_spring() {
       if (run.removals.size === 0) return null;
@@ -163,6 +191,7 @@
     result.covered = covered();
     result.resized = resized();
     result.numbers = numbers_shown();
+    if (run.is_learned) result.learned = learned();
     result.speed = coloured("speed");
     result.states = run.about.states.map(function (_, k) { return coloured("state" + k); });
     result.state_values = Array.from(run.materials, function (_, k) {
