@@ -20,7 +20,8 @@ class Fit {
   // threads: in all; memory: bytes, of the states of all motions; see LearnOptions. Throws Error(input) for
   // observations and learnables that do not fit the networks, and for experiments on other objects.
   Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const PluginHost>& plugins,
-      const std::vector<Learnable>& learnables, double guess_weight, unsigned threads, std::size_t memory);
+      const std::vector<Learnable>& learnables, double guess_weight, unsigned threads = 0,
+      std::size_t memory = std::size_t{1} << 30);
 
   [[nodiscard]] double guess_weight() const noexcept { return root_guess_weight_ * root_guess_weight_; }
   // Throws Error(input) unless it is 0 or more.
