@@ -182,10 +182,10 @@ struct LearnedNet {
   double guess_weight = 0.0;            // given, or by the rule
   std::vector<GuessPoint> guess_curve;  // of the weights that the rule tried, the greatest first
   HeldOut held_out;
-  std::vector<LearnProgress> history;   // of all stages of the best start, without values
-  std::vector<LearnedStart> starts;     // none: there was one
-  bool stopped = false;                 // by on_iteration
-  std::string reason;                   // why the search ended
+  std::vector<LearnProgress> history;  // of all stages of the best start, without values
+  std::vector<LearnedStart> starts;    // none: there was one
+  bool stopped = false;                // by on_iteration
+  std::string reason;                  // why the search ended
   std::vector<std::string> notes;
 };
 

@@ -48,8 +48,8 @@ struct LearnedValues {
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
 // SimulationOptions::time_step. Derivatives are those of motions in which the same happens in the same steps: springs
 // break, nodes touch, slip and leave surfaces. How the times of such events move with the values is not part of them.
-// Changes at times, events that are located, steps that were divided, nodes that are jammed, contact of nodes with rigid
-// connections, and those that join more than 100 nodes are refused with a message.
+// Changes at times, events that are located, steps that were divided, nodes that are jammed, contact of nodes with
+// rigid connections, and those that join more than 100 nodes are refused with a message.
 class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
