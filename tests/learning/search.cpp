@@ -117,18 +117,22 @@ TEST_CASE("experiments in one, two, three and more threads give the same bits") 
 
 TEST_CASE("what experiments in threads throw is told, of the first of them") {
   std::vector<Experiment> seen = three_loads(0.0);
-  // The last two touch a floor, the second one later.
+  // In the last two a node that is rigidly connected touches a floor, which is not differentiated; in the second one
+  // later.
   for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
     Network net = *seen[k].network;
     Plane floor;
     floor.name = "floor";
     floor.point = {0, 0, k == 1 ? -3.2 : -3.05};
     net.add_plane(floor);
+    const auto last = static_cast<NodeIndex>(net.nodes().size() - 1);
+    net.add_rigid(last - 1, last);
     seen[k].network = std::make_shared<const Network>(net);
   }
   const auto message_of = [](const std::vector<Experiment>& experiments, unsigned threads) {
     LearnOptions options;
     options.threads = threads;
+    options.stages = 1;
     try {
       static_cast<void>(learn(experiments, plugins(), each_stiffness_and_a_damping(), options));
     } catch (const Error& error) {
@@ -138,7 +142,7 @@ TEST_CASE("what experiments in threads throw is told, of the first of them") {
   };
   const std::string first = message_of({seen[0], seen[1]}, 1);
   CAPTURE(first);
-  CHECK(has(first, "contact at"));
+  CHECK(has(first, "as the node is rigidly connected"));
   CHECK(message_of({seen[0], seen[2]}, 1) != first);
   for (const unsigned threads : {1u, 2u, 3u}) CHECK(message_of(seen, threads) == first);
   LearnOptions options;
@@ -170,8 +174,10 @@ TEST_CASE("laws that may be called in the program's own thread alone are, whatev
     options.threads = 3;
     options.max_iterations = 1;
     options.stages = 1;
-    static_cast<void>(
-        learn(seen, host, {{{Kind::spring_parameter, false, "stiffness", from_to(0, 3)}, true}}, options));
+    // On a busy machine the own thread may have done it all before another one begins.
+    for (int attempt = 0; attempt < (is_for_one ? 1 : 100) && *elsewhere == 0; ++attempt)
+      static_cast<void>(
+          learn(seen, host, {{{Kind::spring_parameter, false, "stiffness", from_to(0, 3)}, true}}, options));
     CHECK((*elsewhere > 0) == !is_for_one);
   }
 }

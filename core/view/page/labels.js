@@ -26,9 +26,12 @@
     element("legend-bar").hidden = paint.ticks.length === 0;
     draw_bar(paint.table);
     if (paint.ticks.length === 1) element("legend-ticks").append(document.createElement("span"));  // in the middle
+    // As many digits as tell the ends apart.
+    const low = paint.ticks[0], high = paint.ticks[paint.ticks.length - 1];
+    const digits = high > low ? Math.min(9, Math.max(3, 2 + Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / (high - low))))) : 4;
     paint.ticks.forEach(function (value) {
       const tick = document.createElement("span");
-      tick.textContent = s.number(value, 3);
+      tick.textContent = s.number(value, digits);
       element("legend-ticks").append(tick);
     });
     if (paint.ticks.length === 1) element("legend-ticks").append(document.createElement("span"));
