@@ -16,7 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double first_damping = 1e-3, most_damping = 1e20;
+// With less damping rounding alone would move values along directions that the residuals do not depend on.
+constexpr double first_damping = 1e-3, least_damping = 1e-12, most_damping = 1e20;
 constexpr double least_gain = 1e-4;  // of the decrease that the linear model predicts
 constexpr int most_inner = 500;      // conjugate gradients
 constexpr double loosest_inner = 0.1, tightest_inner = 1e-8;
@@ -183,7 +184,8 @@ Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const 
         course.go_on(state, std::move(x), cost, next_cost);
         residuals = std::move(next);
         cost = next_cost;
-        state.damping *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3.0));
+        state.damping =
+            std::max(least_damping, state.damping * std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3.0)));
         state.growth = 2.0;
         model.set(state.x, residuals, bounds);
         break;
