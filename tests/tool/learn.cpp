@@ -191,7 +191,8 @@ TEST_CASE("learn finds fields, masses and loads from the tables of motion and re
                                             "--parameters spring.stiffness:together,load --json -o scanned");
   CAPTURE(scanned.err);
   REQUIRE(scanned.status == 0);
-  for (const auto& each : scanned.json()["parameters"])
+  const auto of_scan = scanned.json();
+  for (const auto& each : of_scan["parameters"])
     CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 400.0 : 1.5).epsilon(1e-6));
 }
 
