@@ -51,6 +51,7 @@ std::vector<LearnedValues> values_of(const Network& net) {
     result = {{Kind::spring_parameter, false, "stiffness", all(springs)},
               {Kind::viscosity_parameter, false, "damping", all(springs)},
               {Kind::rest_length, false, "", all(springs)}};
+  if (!net.loads().empty()) result.push_back({Kind::load, false, "", all(net.loads().size())});
   result.push_back({Kind::mass, false, "", moving});
   result.push_back({Kind::initial_velocity, false, "", moving});
   return result;
@@ -203,6 +204,71 @@ TEST_CASE("derivatives of contact and rigid connections in a net whose laws have
                          {Kind::mass, false, "", from_to(0, net.nodes().size())},
                          {Kind::initial_velocity, false, "", from_to(0, 8)}});
     }
+}
+
+namespace {
+
+// Pushed over a rough floor while a spring in it breaks; a node above is held.
+Network pushed() {
+  Network net = block_at({0, 0, 0.1}, {0.4, 0.2, -0.5}, 6);
+  Load push;
+  push.nodes = {6, 7};
+  push.force = {3.0, -1.0, -2.0};
+  net.add_load(push);
+  const MaterialIndex weak = net.add_material(
+      {LawUse{"rupturing", {{"stiffness", 30.0}, {"strength", 0.05}}}, LawUse{"linear", {{"damping", 0.5}}}});
+  net.add_spring(0, 7, weak);
+  const NodeIndex hook = net.add_node(point({0.1, 0.1, 1.0}, 1.0));
+  net.fix(hook);
+  net.add_spring(7, hook, net.add_material(damped(20.0, 0.3)));
+  net.add_plane(floor_with(rough, {0.2, -0.1, 1.0}));
+  return net;
+}
+
+std::vector<LearnedValues> values_of_pushed(const Network& net) {
+  return {{Kind::load, false, "", {0}},
+          {Kind::spring_parameter, false, "stiffness", from_to(0, net.springs().size())},
+          {Kind::mass, false, "", from_to(0, 8)}};
+}
+
+}  // namespace
+
+TEST_CASE("derivatives of contact while a spring breaks, with a load among the values") {
+  const Network net = pushed();
+  for (const double theta : {1.0, 0.6}) {
+    CAPTURE(theta);
+    MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), method(theta, newton), 0.4,
+                             values_of_pushed(net));
+    motion.run(motion.values_of_network());
+    REQUIRE(motion.events().size() == 1);  // the rupture
+    check_derivatives(net, theta, newton, 0.4, values_of_pushed(net));
+  }
+}
+
+TEST_CASE("contact is differentiated with the same bits in little memory, and step by step") {
+  const auto net = std::make_shared<const Network>(pushed());
+  MotionDerivatives motion(net, plugins(), method(0.6, newton, 0.005), 0.9, values_of_pushed(*net));
+  const VectorXd values = motion.values_of_network();
+  motion.run(values);
+  const Loss loss(motion.step_count() + 1, net->nodes().size());
+  const VectorXd gradient = loss.gradient(motion);
+  Eigen::MatrixXd at_end;
+  motion.tangent(Eigen::MatrixXd::Identity(values.size(), values.size()),
+                 [&](std::size_t, const Eigen::MatrixXd& positions, const Eigen::MatrixXd&) { at_end = positions; });
+  const std::size_t steps = motion.step_count();
+
+  MotionDerivatives in_little(net, plugins(), method(0.6, newton, 0.005), 0.9, values_of_pushed(*net));
+  in_little.set_memory(60000);
+  in_little.run(values);
+  REQUIRE(in_little.kept().states < steps);
+  CHECK(loss.gradient(in_little) == gradient);
+
+  const Eigen::MatrixXd all_of_them = Eigen::MatrixXd::Identity(values.size(), values.size());
+  motion.begin_steps(values, all_of_them);
+  for (std::size_t k = 0; k < steps; ++k) motion.make_step(values, all_of_them);
+  Eigen::MatrixXd positions, velocities;
+  motion.step_tangents(1, positions, velocities);
+  CHECK((positions - at_end).norm() <= 1e-8 * at_end.norm());
 }
 
 TEST_CASE("velocities of nodes that are constrained from the start are refused") {

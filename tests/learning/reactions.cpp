@@ -93,6 +93,43 @@ TEST_CASE("reactions at states are those of a run, for every theta") {
   }
 }
 
+TEST_CASE("reactions of held nodes while others slide on a floor, and their derivatives") {
+  Network given = held_chain();
+  Plane floor;
+  floor.name = "floor";
+  floor.point = {0, 0, 0.05};
+  floor.friction = {Friction::Kind::coulomb, 0.2};
+  given.add_plane(floor);
+  const auto net = std::make_shared<const Network>(given);
+  const SimulationOptions options = to_learn_with(0.7, 0.02);
+  MotionDerivatives motion(net, plugins(), options, 0.2, of_all(*net));
+  ReactionDerivatives reactions(net, plugins(), options, of_all(*net));
+  const VectorXd values = motion.values_of_network();
+  Simulation simulation(net, plugins(), options);
+  simulation.advance_to(0.2);
+  REQUIRE(simulation.touching(1));
+  const auto loss = [&](const VectorXd& at) {
+    motion.run(at);
+    reactions.set_values(at);
+    return reactions.at(motion, motion.step_count()).sum();
+  };
+  static_cast<void>(loss(values));
+  for (const NodeIndex k : {0U, 4U})
+    CHECK((reactions.at(motion, motion.step_count()).col(k) - simulation.reaction(k)).norm() <
+          1e-12 * simulation.reaction(k).norm());
+  VectorXd directly = VectorXd::Zero(values.size());
+  const VectorXd gradient = motion.adjoint([&](std::size_t state, MotionDerivatives::StateChange& to) {
+    if (state == motion.step_count()) reactions.add_adjoint(motion, state, Matrix3Xd::Ones(3, 5), to, directly);
+  }) + directly;
+  Dice dice(8);
+  VectorXd change(values.size());
+  for (Eigen::Index k = 0; k < change.size(); ++k) change[k] = dice.between(-1, 1) * std::max(0.1, std::abs(values[k]));
+  const double h = 1e-5, difference = (8.0 * (loss(values + h * change) - loss(values - h * change)) -
+                                       (loss(values + 2 * h * change) - loss(values - 2 * h * change))) /
+                                      (12.0 * h);
+  CHECK(gradient.dot(change) == doctest::Approx(difference).epsilon(1e-6));
+}
+
 TEST_CASE("derivatives of reactions are those of differences") {
   const auto net = std::make_shared<const Network>(held_chain());
   const SimulationOptions options = to_learn_with(0.5, 0.02);
