@@ -295,12 +295,11 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   const bool met = meeting.surface >= 0;
   if (!met) meeting.surface = last_surface_[node];
   const auto j = static_cast<std::size_t>(meeting.surface);
-  const bool is_new = !before.has(meeting.surface);
+  // Where the node was heading: the same for every rule. The normal of a curved surface depends on it.
   const Vector3 ahead = candidate.start + sweep.time_constant * candidate.start_velocity;
-  // Where the node was heading, which is the same for every rule: on a curved surface the normal depends on it.
-  const double rebounds =
-      met && is_new ? rebound(at, meeting.surface, onto(at, j, ahead), candidate.start_velocity, candidate.velocity)
-                    : 0.0;
+  const double rebounds = met && !before.has(meeting.surface) ? rebound(at, meeting.surface, onto(at, j, ahead),
+                                                                        candidate.start_velocity, candidate.velocity)
+                                                              : 0.0;
   if (obstacles_[j].friction().kind != Friction::Kind::held || rebounds > 0.0) {
     Slide on = slide_along(within, meeting.surface, candidate, nullptr, rebounds);
     // The path crosses a curved surface and ends on its far side, where the node would separate: use the normal where

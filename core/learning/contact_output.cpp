@@ -5,16 +5,46 @@
 
 #include <Eigen/LU>
 
+#include <springnet/sdk/dual.hpp>
+
 #include "constraints/friction.hpp"
-#include "learning/varied.hpp"
+#include "network/invariant_values.hpp"
 
 namespace springnet::learning {
 
 namespace {
 
-constexpr int variables = 12;  // p, v, V, and P, on which normals depend
-using Number = VariedNumber<variables>;
-using Vector = VariedVector<variables>;
+// By p, v, V, and by P, on which normals depend.
+constexpr std::size_t variables = 12;
+using Number = sdk::Dual<variables>;
+using Vector = invariants::Triple<Number>;
+using Changes = Eigen::Matrix<double, 3, variables>;
+
+[[nodiscard]] Vector3 value_of(const Vector& x) { return {x.x.value, x.y.value, x.z.value}; }
+[[nodiscard]] Changes changes_of(const Vector& x) {
+  Changes result;
+  for (std::size_t k = 0; k < variables; ++k)
+    result.col(static_cast<Eigen::Index>(k)) << x.x.derivatives[k], x.y.derivatives[k], x.z.derivatives[k];
+  return result;
+}
+[[nodiscard]] Number number_of(double value, const Eigen::Matrix<double, 1, variables>& changes) {
+  Number result(value);
+  for (std::size_t k = 0; k < variables; ++k) result.derivatives[k] = changes[static_cast<Eigen::Index>(k)];
+  return result;
+}
+[[nodiscard]] Vector vector_of(const Vector3& value, const Changes& changes) {
+  return {number_of(value[0], changes.row(0)), number_of(value[1], changes.row(1)),
+          number_of(value[2], changes.row(2))};
+}
+[[nodiscard]] Vector variable(const Vector3& value, std::size_t first) {
+  return {Number::variable(value[0], first), Number::variable(value[1], first + 1),
+          Number::variable(value[2], first + 2)};
+}
+[[nodiscard]] Vector times(double factor, const Vector& x) { return Number(factor) * x; }
+[[nodiscard]] Vector times(const Matrix3& matrix, const Vector& x) {
+  return vector_of(matrix * value_of(x), matrix * changes_of(x));
+}
+[[nodiscard]] Number length(const Vector& x) { return sqrt(dot(x, x)); }
 
 struct Output {
   Vector position, velocity;
@@ -29,10 +59,10 @@ class NodeOnSurfaces {
         step_(step),
         how_(how),
         node_(node),
-        p_(Vector::variable(node.p, 0)),
-        v_(Vector::variable(node.v, 3)),
-        free_(Vector::variable(node.free, 6)),
-        end_(Vector::variable(node.P, 9)) {}
+        p_(variable(node.p, 0)),
+        v_(variable(node.v, 3)),
+        free_(variable(node.free, 6)),
+        end_(variable(node.P, 9)) {}
 
   [[nodiscard]] std::optional<OutputDerivative> derivative() const {
     const Touch& touch = how_.touch;
@@ -55,22 +85,23 @@ class NodeOnSurfaces {
     return contact_.obstacles()[index(surface)].friction();
   }
   [[nodiscard]] Number gap(std::int32_t j, const Vector& x) const {
-    return {contact_.gap(step_.end, index(j), x.value),
-            contact_.normal(step_.end, index(j), x.value).transpose() * x.change};
+    const Vector3 place = value_of(x);
+    return number_of(contact_.gap(step_.end, index(j), place),
+                     contact_.normal(step_.end, index(j), place).transpose() * changes_of(x));
   }
   [[nodiscard]] Vector normal(std::int32_t j, const Vector& x) const {
     const Obstacle& obstacle = contact_.obstacles()[index(j)];
     const Pose& pose = step_.end.poses[index(j)];
-    return {obstacle.normal(pose, x.value), obstacle.curvature(pose, x.value) * x.change};
+    const Vector3 place = value_of(x);
+    return vector_of(obstacle.normal(pose, place), obstacle.curvature(pose, place) * changes_of(x));
   }
   [[nodiscard]] Vector onto(std::int32_t j, const Vector& x) const { return x - gap(j, x) * normal(j, x); }
   [[nodiscard]] static Vector velocity(const Placement& at, std::int32_t j, const Vector& x) {
     const Pose& pose = at.poses[index(j)];
-    Vector result;
-    result.value = pose.velocity_at(x.value);
-    for (Eigen::Index k = 0; pose.turns && k < variables; ++k)
-      result.change.col(k) = pose.spin.cross(Vector3(x.change.col(k)));
-    return result;
+    Changes changes = Changes::Zero();
+    const Changes own = changes_of(x);
+    for (Eigen::Index k = 0; pose.turns && k < own.cols(); ++k) changes.col(k) = pose.spin.cross(Vector3(own.col(k)));
+    return vector_of(pose.velocity_at(value_of(x)), changes);
   }
   [[nodiscard]] Matrix3 turned(std::int32_t j) const {
     const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
@@ -80,8 +111,8 @@ class NodeOnSurfaces {
   [[nodiscard]] Vector carried(std::int32_t j, const Vector& x) const {
     const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
     if (!contact_.obstacles()[index(j)].moves()) return x;
-    if (!after.turns) return {x.value + (after.displacement - before.displacement), x.change};
-    return {after.from_start(before.to_start(x.value)), turned(j) * x.change};
+    if (!after.turns) return vector_of(value_of(x) + (after.displacement - before.displacement), changes_of(x));
+    return vector_of(after.from_start(before.to_start(value_of(x))), turned(j) * changes_of(x));
   }
   [[nodiscard]] std::int32_t rougher() const {
     const Touch& touch = how_.touch;
@@ -90,10 +121,10 @@ class NodeOnSurfaces {
   }
   // The slip at the start with respect to a surface that carries the node.
   [[nodiscard]] Vector slipped(std::int32_t carrier) const {
-    return turned(carrier) * (v_ - velocity(step_.start, carrier, p_));
+    return times(turned(carrier), v_ - velocity(step_.start, carrier, p_));
   }
   [[nodiscard]] Vector moved(const Vector& from, const Vector& rate_before, const Vector& rate) const {
-    return from + step_.h * ((1.0 - step_.theta) * rate_before + step_.theta * rate);
+    return from + times(step_.h * (1.0 - step_.theta), rate_before) + times(step_.h * step_.theta, rate);
   }
 
   // ---- ways to end a step ----
@@ -106,8 +137,8 @@ class NodeOnSurfaces {
     const std::int32_t j = how_.touch.surface;
     const Obstacle& obstacle = contact_.obstacles()[index(j)];
     const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
-    const Vector end = p_ + step_.h * v_;
-    const double share = obstacle.first_touch(before, p_.value, after, end.value).value_or(2.0);
+    const Vector end = p_ + times(step_.h, v_);
+    const double share = obstacle.first_touch(before, node_.p, after, value_of(end)).value_or(2.0);
     Output result{{}, velocity(step_.end, j, end_)};
     if (!(share > 0.0)) {
       result.position = onto(j, carried(j, p_));
@@ -117,17 +148,17 @@ class NodeOnSurfaces {
       // In the surface's frame the gap vanishes at a + share (b - a).
       const Matrix3 a_turn = before.turns ? Matrix3(before.rotation.transpose()) : Matrix3(Matrix3::Identity());
       const Matrix3 b_turn = after.turns ? Matrix3(after.rotation.transpose()) : Matrix3(Matrix3::Identity());
-      const Vector a{before.to_start(p_.value), a_turn * p_.change}, b{after.to_start(end.value), b_turn * end.change};
-      const Vector3 there = a.value + share * (b.value - a.value);
+      const Vector a = vector_of(before.to_start(node_.p), a_turn * changes_of(p_));
+      const Vector b = vector_of(after.to_start(value_of(end)), b_turn * changes_of(end));
+      const Vector3 way = value_of(b - a), there = value_of(a) + share * way;
       const Vector3 n = b_turn * obstacle.normal(after, after.from_start(there));
-      const double rate = n.dot(b.value - a.value);
-      Number at = Number::constant(share);
-      at.change = -(n.transpose() * (a.change + share * (b.change - a.change))) / rate;
+      const Changes changes = changes_of(a) + share * changes_of(b - a);
+      const Number at = number_of(share, -(n.transpose() * changes) / n.dot(way));
       if (!obstacle.moves()) {
         result.position = p_ + at * (end - p_);
       } else {
         const Vector place = a + at * (b - a);
-        result.position = onto(j, Vector{after.from_start(place.value), b_turn.transpose() * place.change});
+        result.position = onto(j, vector_of(after.from_start(value_of(place)), b_turn.transpose() * changes_of(place)));
       }
     }
     return result;
@@ -136,7 +167,7 @@ class NodeOnSurfaces {
   // See Contact::rebound; the node has approached fast enough, or it would not have bounced.
   [[nodiscard]] Number rebound(std::int32_t j) const {
     if (!how_.bounces || how_.before.has(j)) return {};
-    const Vector place = onto(j, p_ + step_.h * v_);
+    const Vector place = onto(j, p_ + times(step_.h, v_));
     return -contact_.obstacles()[index(j)].restitution() * dot(normal(j, place), v_ - velocity(step_.end, j, place));
   }
 
@@ -182,9 +213,9 @@ class NodeOnSurfaces {
     Vector left;
     if (how_.touch.slides && std::isfinite(rough[0]) && std::isfinite(rough[1])) {
       const Number sine = length(c);
-      const Vector e = Number::constant(1.0) / sine * c;
-      const double along = e.value.dot(node_.U - w.value), sign = along < 0.0 ? -1.0 : 1.0;
-      const Vector f = a - (sign * rough[0]) * e, g = b - (sign * rough[1]) * e;
+      const Vector e = (1.0 / sine) * c;
+      const double along = value_of(e).dot(node_.U - value_of(w)), sign = along < 0.0 ? -1.0 : 1.0;
+      const Vector f = a - times(sign * rough[0], e), g = b - times(sign * rough[1], e);
       // Normal impulses x of both: (a b)^T (f g) x = -(a b)^T relative.
       const Number aa = dot(a, f), ag = dot(a, g), bf = dot(b, f), bg = dot(b, g);
       const Number ra = -dot(a, relative), rb = -dot(b, relative), determinant = aa * bg - ag * bf;
@@ -204,7 +235,7 @@ class NodeOnSurfaces {
       if (!(determinant.value > 1e-12)) break;
       const Vector change = ((ga * bb - gb * ab) / determinant) * a + ((gb * aa - ga * ab) / determinant) * b;
       x = x - change;
-      if (change.value.norm() <= 1e-15 * x.value.norm() && change.change.norm() <= 1e-14) break;
+      if (value_of(change).norm() <= 1e-15 * value_of(x).norm() && changes_of(change).norm() <= 1e-14) break;
     }
     return x;
   }
@@ -227,14 +258,14 @@ class NodeOnSurfaces {
   [[nodiscard]] std::optional<OutputDerivative> matched(const Output& output) const {
     constexpr double rounding = 1e-12;
     const double allowed = tolerance();
-    if (!((output.velocity.value - node_.U).norm() <= allowed + rounding) ||
-        !((output.position.value - node_.P).norm() <= step_.h * allowed + rounding * node_.P.norm()))
+    if (!((value_of(output.velocity) - node_.U).norm() <= allowed + rounding) ||
+        !((value_of(output.position) - node_.P).norm() <= step_.h * allowed + rounding * node_.P.norm()))
       return std::nullopt;
-    const Eigen::Matrix3d own = Eigen::Matrix3d::Identity() - output.position.change.rightCols<3>();
+    const Changes position = changes_of(output.position), velocity = changes_of(output.velocity);
+    const Matrix3 own = Matrix3::Identity() - position.rightCols<3>();
     OutputDerivative result;
-    result.topRows<3>() = own.inverse() * output.position.change.leftCols<9>();
-    result.bottomRows<3>() =
-        output.velocity.change.leftCols<9>() + output.velocity.change.rightCols<3>() * result.topRows<3>();
+    result.topRows<3>() = own.inverse() * position.leftCols<9>();
+    result.bottomRows<3>() = velocity.leftCols<9>() + velocity.rightCols<3>() * result.topRows<3>();
     return result;
   }
 

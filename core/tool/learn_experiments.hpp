@@ -12,10 +12,10 @@
 
 namespace springnet::tool {
 
-// Tables of a scene's motion, checked. Throws Error(input).
+// Tables of a scene's motion. Throws Error(input) for observations that do not fit it.
 [[nodiscard]] Observations observations_of(const Scene& scene, const std::vector<std::filesystem::path>& files);
 
-// Throws Error(input) for observations that do not fit the scene.
+// The scene with these tables.
 [[nodiscard]] Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files);
 
 // "SCENE=FILE,FILE,…"; overrides of the first scene count for it, too. Throws Error(input) for other texts, for files

@@ -67,9 +67,8 @@ struct LearnProgress {
 enum class Optimiser : std::uint8_t {
   // Gauss-Newton steps with damping: fewest iterations. Jacobians of up to 2000 variables, else products with them.
   levenberg_marquardt,
-  // Quasi-Newton steps from gradients alone: an iteration takes one motion and one way back, mostly, whatever the
-  // number
-  // of variables.
+  // Quasi-Newton steps from gradients alone: an iteration takes one motion and one way back, mostly, however many
+  // variables there are.
   lbfgs,
   // The paper's gradient descent with momentum. No step raises the cost, but it needs far more iterations.
   descent
