@@ -55,8 +55,10 @@ struct ReferenceSensitivities::Impl {
         engine(*net, *host, options),
         table(make_host_table(engine)) {
     check(*net);
-    for (const Learnable& each : of)
+    for (const Learnable& each : of) {
       if (each.values.kind == LearnedValues::Kind::load) refuse("a motion is not differentiated by its loads");
+      if (each.field_degree >= 0) refuse("a field has no column; take its values each by itself, or together");
+    }
     learned.attach(engine);
     make_columns(*net, *host, of);
     make_integrator(options.integrator);

@@ -330,6 +330,7 @@ TEST_CASE("what the reference does not differentiate is refused with what it is"
   refused(net, "mass", "integrator 'recurrent' has none; use cvode", LawUse{"recurrent", {}});
   refused(net, "mass", "must be", cvode(-1.0));
   refused(net, "velocity:together", "each by itself");
+  refused(net, "mass:field=0", "a field has no column");
   refused(net, "mass", "is not later than", std::nullopt, 0.0);
   refused(cube(300.0, 2.0, 2.0, 0.1), "mass:together", "with contact or ruptures, which there is at 0.316");
   refused(cube(300.0, 2.0, 2.0, 0.0), "mass:together", "contact at 0 s is not differentiated");

@@ -35,7 +35,8 @@ class SPRINGNET_API ReactionDerivatives {
   // Those of the motion. Throws as MotionDerivatives::run().
   void set_values(const Eigen::VectorXd& values);
 
-  // N, [3][node]. Throws Error(simulation) where laws do not answer.
+  // N, [3][node]. This and the functions below throw Error(simulation) where laws do not answer, and for motions in
+  // which springs break or are cut.
   [[nodiscard]] Eigen::Matrix3Xd at(const MotionDerivatives& motion, std::size_t state);
   // Forwards: changes of reactions, [3 node] as x y z of node 0, …, a column for each of `changes` of the values, with
   // those of the state as MotionDerivatives::tangent() tells them.

@@ -36,8 +36,8 @@ class SPRINGNET_API ReferenceSensitivities {
  public:
   // A column for each value of `of`, or for each that is `together`; bounds are not used. Throws as Simulation(), and
   // Error(input) for an integrator without sensitivities, nets with rigid connections, cuts, changes at times or laws
-  // with internal states, and as select_learnable() for values that the network does not have, or that are not
-  // learnable.
+  // with internal states, for loads and fields, and as select_learnable() for values that the network does not have, or
+  // that are not learnable.
   ReferenceSensitivities(const std::shared_ptr<const Network>& network,
                          const std::shared_ptr<const PluginHost>& plugins, const SimulationOptions& options,
                          const std::vector<Learnable>& of);
