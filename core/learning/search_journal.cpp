@@ -1,16 +1,15 @@
 #include "learning/search_journal.hpp"
 
 #include <cstdint>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
-#include <springnet/printable.hpp>
 #include <springnet/version.hpp>
 
 #include "learning/course.hpp"
 #include "simulation/identity.hpp"
-#include "text/difference.hpp"
 #include "text/digest.hpp"
 
 namespace springnet::learning {
@@ -79,20 +78,20 @@ std::string text_of(const std::vector<Learnable>& learnables) {
 
 }  // namespace
 
-SearchIdentity identity_of(const std::vector<Experiment>& experiments, const PluginHost& plugins,
-                           const std::vector<Learnable>& learnables, const LearnOptions& options) {
-  SearchIdentity identity{{"version of springnet", std::string(version())},
-                          {"what is learned", text_of(learnables)},
-                          {"optimiser", std::string(name_of(options.optimiser))},
-                          {"most iterations", std::to_string(options.max_iterations)},
-                          {"stages", std::to_string(options.stages)},
-                          {"tolerance", fmt::format("{}", options.tolerance)},
-                          {"weight of the guess", fmt::format("{}", options.guess_weight)},
-                          {"rule of the guess", std::to_string(static_cast<int>(options.guess_rule))},
-                          {"starts", std::to_string(options.starts)},
-                          {"factor of starts", fmt::format("{}", options.start_factor)},
-                          {"seed of starts", std::to_string(options.seed)},
-                          {"experiments", std::to_string(experiments.size())}};
+Identity identity_of(const std::vector<Experiment>& experiments, const PluginHost& plugins,
+                     const std::vector<Learnable>& learnables, const LearnOptions& options) {
+  Identity identity{{"version of springnet", std::string(version())},
+                    {"what is learned", text_of(learnables)},
+                    {"optimiser", std::string(name_of(options.optimiser))},
+                    {"most iterations", std::to_string(options.max_iterations)},
+                    {"stages", std::to_string(options.stages)},
+                    {"tolerance", fmt::format("{}", options.tolerance)},
+                    {"weight of the guess", fmt::format("{}", options.guess_weight)},
+                    {"rule of the guess", std::to_string(static_cast<int>(options.guess_rule))},
+                    {"starts", std::to_string(options.starts)},
+                    {"factor of starts", fmt::format("{}", options.start_factor)},
+                    {"seed of starts", std::to_string(options.seed)},
+                    {"experiments", std::to_string(experiments.size())}};
   for (std::size_t k = 0; k < experiments.size(); ++k) {
     const Experiment& each = experiments[k];
     const std::string prefix = experiments.size() > 1 ? fmt::format("experiment {}: ", k + 1) : "";
@@ -105,7 +104,7 @@ SearchIdentity identity_of(const std::vector<Experiment>& experiments, const Plu
   return identity;
 }
 
-SearchJournal::SearchJournal(SearchIdentity identity, std::string_view bytes) : identity_(std::move(identity)) {
+SearchJournal::SearchJournal(Identity identity, std::string_view bytes) : identity_(std::move(identity)) {
   if (bytes.empty()) return;
   if (!bytes.starts_with(heading))
     refuse(fmt::format("is not one of springnet {}, which begins with '{}'", version(),
@@ -115,18 +114,10 @@ SearchJournal::SearchJournal(SearchIdentity identity, std::string_view bytes) : 
   archive.number(sum);
   if (sum != checksum(bytes.substr(bytes.size() - archive.left())))
     refuse(fmt::format("is damaged: its checksum is another one{}", again));
-  const std::size_t count = archive.count(0, 2 * sizeof(std::uint64_t), "properties");
-  for (std::size_t k = 0; k < count; ++k) {
-    std::string name, value;
-    archive.text(name);
-    archive.text(value);
-    if (k >= identity_.size() || name != identity_[k].first)
-      refuse(fmt::format("is of another search, which tells {}{}", printable(name), again));
-    if (value != identity_[k].second)
-      refuse(fmt::format("is of another search: {}: {}; undo the change, or learn from the start", name,
-                         difference_of(value, identity_[k].second, "now")));
-  }
-  if (count < identity_.size()) refuse(fmt::format("is of another search{}", again));
+  if (const std::optional<IdentityDifference> found = identity_difference(archive, identity_, "now"))
+    refuse(found->is_of_values
+               ? fmt::format("is of another search: {}; undo the change, or learn from the start", found->text)
+               : fmt::format("is of another search, {}{}", found->text, again));
   archive_legs(archive);
   archive.text(present_);
   if (archive.left() > 0) refuse(fmt::format("is damaged: it goes on after its end{}", again));
@@ -161,11 +152,7 @@ void SearchJournal::end_leg(const Minimum& minimum) {
 std::string SearchJournal::with(std::string_view state) const {
   std::string content;
   Archive archive(&content);
-  static_cast<void>(archive.count(identity_.size(), 1, "properties"));
-  for (auto [name, value] : identity_) {
-    archive.text(name);
-    archive.text(value);
-  }
+  write_identity(archive, identity_);
   SearchJournal legs = *this;  // an archive that writes changes nothing
   legs.archive_legs(archive);
   std::string present(state);

@@ -13,18 +13,18 @@
 
 #include "learning/minimise.hpp"
 #include "text/archive.hpp"
+#include "text/identity.hpp"
 
 namespace springnet::learning {
 
-// What must be the same where a search goes on: name and value of each part.
-using SearchIdentity = std::vector<std::pair<std::string, std::string>>;
-[[nodiscard]] SearchIdentity identity_of(const std::vector<Experiment>& experiments, const PluginHost& plugins,
-                                         const std::vector<Learnable>& learnables, const LearnOptions& options);
+// What must be the same where a search goes on.
+[[nodiscard]] Identity identity_of(const std::vector<Experiment>& experiments, const PluginHost& plugins,
+                                   const std::vector<Learnable>& learnables, const LearnOptions& options);
 
 class SearchJournal {
  public:
   // bytes: of with(); empty: the search begins. Throws Error(input) if they are damaged or have another identity.
-  SearchJournal(SearchIdentity identity, std::string_view bytes);
+  SearchJournal(Identity identity, std::string_view bytes);
 
   // The next leg, if it has ended; then of the one after.
   [[nodiscard]] std::optional<Minimum> ended_leg();
@@ -37,7 +37,7 @@ class SearchJournal {
  private:
   void archive_legs(Archive& archive);
 
-  SearchIdentity identity_;
+  Identity identity_;
   std::vector<Minimum> legs_;  // that have ended
   std::size_t next_ = 0;       // leg
   std::string present_;

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include <springnet/printable.hpp>
 #include <springnet/version.hpp>
 #include <springnet/view.hpp>
 
@@ -19,7 +19,6 @@
 #include "run/outputs.hpp"
 #include "run/record_times.hpp"
 #include "text/archive.hpp"
-#include "text/difference.hpp"
 #include "text/digest.hpp"
 
 namespace springnet {
@@ -63,18 +62,18 @@ std::string names_of(const Scene& scene) {
 
 }  // namespace
 
-RunIdentity identity_of(const Scene& scene) {
+Identity identity_of(const Scene& scene) {
   const OutputOptions& output = scene.output;
-  RunIdentity identity{{"version of springnet", std::string(version())},
-                       {"duration", fmt::format("{} s", scene.duration)},
-                       {"time step", fmt::format("{} s", scene.options.time_step)},
-                       {"output.interval", fmt::format("{} s", record_interval(scene))},
-                       {"output.vtk_interval", fmt::format("{} s", output.vtk_interval)},
-                       {"output.view_size", fmt::format("{} bytes", output.view_size)},
-                       {"output.precision", output.precision == OutputOptions::Precision::float64 ? "64" : "32"}};
+  Identity identity{{"version of springnet", std::string(version())},
+                    {"duration", fmt::format("{} s", scene.duration)},
+                    {"time step", fmt::format("{} s", scene.options.time_step)},
+                    {"output.interval", fmt::format("{} s", record_interval(scene))},
+                    {"output.vtk_interval", fmt::format("{} s", output.vtk_interval)},
+                    {"output.view_size", fmt::format("{} bytes", output.view_size)},
+                    {"output.precision", output.precision == OutputOptions::Precision::float64 ? "64" : "32"}};
   identity.emplace_back("title", scene.title);
   std::string files;
-  RunIdentity forms;
+  Identity forms;
   for (const auto& each : outputs()) {
     if (!each->wanted(scene)) continue;
     auto [file, form] = each->form(scene);
@@ -94,15 +93,11 @@ RunIdentity identity_of(const Scene& scene) {
   return identity;
 }
 
-void write_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& identity, std::string_view content) {
+void write_checkpoint(const OutputFolder::Pointer& folder, const Identity& identity, std::string_view content) {
   sync_files(*folder);
   std::string bytes;
   Archive archive(&bytes);
-  static_cast<void>(archive.count(identity.size(), 1, "properties"));
-  for (auto [name, value] : identity) {
-    archive.text(name);
-    archive.text(value);
-  }
+  write_identity(archive, identity);
   bytes += content;
   std::string head(heading);
   Archive around(&head);
@@ -115,7 +110,7 @@ void write_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& id
   file.finish(true);
 }
 
-std::string read_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& identity) {
+std::string read_checkpoint(const OutputFolder::Pointer& folder, const Identity& identity) {
   const OutputFolder::Kind kind = folder->kind(checkpoint_file);
   if (kind == OutputFolder::Kind::none)
     refuse(*folder,
@@ -141,23 +136,11 @@ std::string read_checkpoint(const OutputFolder::Pointer& folder, const RunIdenti
                                 bytes.size() != size ? fmt::format("it has {} bytes in place of {}", bytes.size(), size)
                                                      : std::string("its checksum is another one")));
   Archive archive{std::string_view(bytes)};
-  const std::size_t count = archive.count(0, 2 * sizeof(std::uint64_t), "properties");
-  std::size_t left = count;
-  for (const auto& [name, value] : identity) {
-    if (left-- == 0) refuse(*folder, "is of another version of springnet; run without --resume");
-    std::string its_name, its_value;
-    archive.text(its_name);
-    archive.text(its_value);
-    if (its_name != name)
-      refuse(*folder,
-             fmt::format("is of another run or version of springnet, which tells {} in place of {}; run without "
-                         "--resume",
-                         printable(its_name), name));
-    if (its_value != value)
-      refuse(*folder, fmt::format("is of another run: {}: {}; undo the change, or run without --resume", name,
-                                  difference_of(its_value, value, "now")));
-  }
-  if (left > 0) refuse(*folder, "is of another version of springnet; run without --resume");
+  if (const std::optional<IdentityDifference> found = identity_difference(archive, identity, "now"))
+    refuse(*folder,
+           found->is_of_values
+               ? fmt::format("is of another run: {}; undo the change, or run without --resume", found->text)
+               : fmt::format("is of another run or version of springnet, {}; run without --resume", found->text));
   return bytes.substr(bytes.size() - archive.left());
 }
 

@@ -4,24 +4,23 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include <springnet/output_folder.hpp>
 #include <springnet/run.hpp>
 
+#include "text/identity.hpp"
+
 namespace springnet {
 
-// What must be the same where a run resumes, besides what Simulation::restore() compares: name and value.
-using RunIdentity = std::vector<std::pair<std::string, std::string>>;
-[[nodiscard]] RunIdentity identity_of(const Scene& scene);
+// What must be the same where a run resumes, besides what Simulation::restore() compares.
+[[nodiscard]] Identity identity_of(const Scene& scene);
 
 // Writes what the files of the folder have to the disk, then the checkpoint, which takes the place of the one before.
 // Throws OutputError; the one before then stays.
-void write_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& identity, std::string_view content);
+void write_checkpoint(const OutputFolder::Pointer& folder, const Identity& identity, std::string_view content);
 
 // The content. Throws Error(input) if there is none, it is damaged, or of another run.
-[[nodiscard]] std::string read_checkpoint(const OutputFolder::Pointer& folder, const RunIdentity& identity);
+[[nodiscard]] std::string read_checkpoint(const OutputFolder::Pointer& folder, const Identity& identity);
 
 // Bytes, about: of the one before and the next one.
 [[nodiscard]] double checkpoint_bytes(const Scene& scene);

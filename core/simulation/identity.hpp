@@ -1,17 +1,15 @@
-// What must be the same where a saved state is taken up: name and value of each part, so that an error says which one
-// is not.
+// What a saved state is of.
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
-namespace springnet {
+#include "text/identity.hpp"
 
-using Identity = std::vector<std::pair<std::string, std::string>>;
+namespace springnet {
 
 // "linear@springnet.springs 1.2"
 [[nodiscard]] std::string identity_text(const Component& component);

@@ -3,6 +3,7 @@
 #include <springnet/simulation.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +16,6 @@
 #include "simulation/implementation.hpp"
 #include "simulation/saved_state.hpp"
 #include "text/archive.hpp"
-#include "text/difference.hpp"
 #include "text/digest.hpp"
 
 namespace springnet {
@@ -154,18 +154,10 @@ void Simulation::Impl::check_identity(const SavedHead& head, std::string_view by
   if (head.identity_sum != checksum(bytes))
     throw Error(ErrorKind::input, "the saved state is damaged: its checksum is another one");
   Archive archive(bytes);
-  for (const auto& [name, value] : present_identity()) {
-    std::string there_name, there;
-    archive.text(there_name);
-    archive.text(there);
-    if (there_name != name)
-      throw Error(ErrorKind::input,
-                  fmt::format("the saved state is of another version of springnet, which tells '{}' in place of '{}'",
-                              printable(there_name), name));
-    if (there != value)
-      throw Error(ErrorKind::input,
-                  fmt::format("the saved state is of another simulation: {}: {}", name, difference_of(there, value)));
-  }
+  if (const std::optional<IdentityDifference> found = identity_difference(archive, present_identity()))
+    throw Error(ErrorKind::input, found->is_of_values
+                                      ? "the saved state is of another simulation: " + found->text
+                                      : "the saved state is of another version of springnet, " + found->text);
   if (archive.left() > 0) Archive::refuse("it tells more than what it is of");
 }
 
@@ -223,10 +215,7 @@ std::string Simulation::save() {
   const std::string state = impl.state();
   std::string told;
   Archive archive(&told);
-  for (auto& [name, value] : impl.present_identity()) {
-    archive.text(name);
-    archive.text(value);
-  }
+  write_identity(archive, impl.present_identity());
   SavedHead head;
   head.identity_size = told.size();
   head.identity_sum = checksum(told);
