@@ -11,6 +11,7 @@
 
 #include "learning/experiment_threads.hpp"
 #include "learning/in_threads.hpp"
+#include "learning/notes.hpp"
 #include "learning/same_object.hpp"
 
 namespace springnet::learning {
@@ -78,7 +79,8 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     const Eigen::Index first = rows_;
     rows_ += observed.count();
     observed_ += experiments[k].observations.value_count();
-    runs_.push_back({std::move(motions[k]), std::move(nets[k]), std::move(observed), first});
+    std::vector<Event> events = motions[k]->events();
+    runs_.push_back({std::move(motions[k]), std::move(nets[k]), std::move(observed), first, std::move(events)});
   }
 }
 
@@ -117,18 +119,11 @@ VectorXd Fit::residuals(const VectorXd& x) {
   return result;
 }
 
-void Fit::note_ruptures(std::vector<std::string>& notes) const {
+void Fit::note_events(std::vector<std::string>& notes) const {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    std::vector<Event> broken = runs_[i].motion->events();
-    std::erase_if(broken, [](const Event& each) { return each.kind != Event::Kind::ruptured; });
-    if (broken.empty()) continue;
-    const Event& first = broken.front();
-    const std::string others = broken.size() > 1 ? fmt::format(", and {} more later", broken.size() - 1) : "";
-    notes.push_back(fmt::format(
-        "{}{} {} breaks at {:g} s{}. Derivatives are those of a motion in which the same breaks in the same steps: how "
-        "the times of ruptures move with the values is not part of them.",
-        runs_.size() > 1 ? fmt::format("Experiment {}: ", i) : "", first.element ? "Element" : "Spring", first.index,
-        first.time, others));
+    const std::string text = note_of_events(runs_[i].motion->events(), runs_[i].events_at_start);
+    if (text.empty()) continue;
+    notes.push_back((runs_.size() > 1 ? fmt::format("Experiment {}: ", i + 1) : "") + text);
   }
 }
 

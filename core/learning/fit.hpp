@@ -37,8 +37,8 @@ class Fit {
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
   [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
-  // A note for each motion of the last residuals in which something breaks.
-  void note_ruptures(std::vector<std::string>& notes) const;
+  // A note for each motion of the last residuals in which something breaks, or contact changes.
+  void note_events(std::vector<std::string>& notes) const;
   // Derivatives at x, which has finite residuals.
   void linearise(const Eigen::VectorXd& x);
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& changes);
@@ -50,6 +50,7 @@ class Fit {
     std::unique_ptr<ObservedNet> net;
     ObservedMotion observed;
     Eigen::Index first;  // of its residuals
+    std::vector<Event> events_at_start;
   };
   [[nodiscard]] bool run(const Eigen::VectorXd& x);
   // Calls work(k) for each experiment, in threads.

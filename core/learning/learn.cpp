@@ -143,7 +143,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
   result.rms = learning::rms_of(residuals, fit.observed());
-  fit.note_ruptures(result.notes);
+  fit.note_events(result.notes);
   judge.judge(minimum.x, result);
 
   const VectorXd& scale = variables.scale();

@@ -179,7 +179,9 @@ struct MotionDerivatives::Impl {
   std::size_t steps, nodes = 0;
   std::string saved_start;
   Eigen::VectorXd network_values;
-  Eigen::VectorXd dp, dv;  // the change of a state, or derivatives of the loss by it
+  std::vector<Event> events;      // of the last run; those of the simulation follow the steps that are made again
+  std::size_t events_before = 0;  // in the simulation
+  Eigen::VectorXd dp, dv;         // the change of a state, or derivatives of the loss by it
   Eigen::VectorXd rhs, product, other, solution, work;
   Eigen::VectorXd weights;                  // of the accelerations at a state
   std::deque<Eigen::VectorXd> solved;       // backwards: of the last steps

@@ -35,11 +35,15 @@ void MotionDerivatives::Impl::check_step(std::size_t state) {
   if (report.substeps > 0) refuse("a step that was divided as it did not settle");
   if (removals.take(simulation.events(), state, simulation.time()) != nullptr) refuse("a node that is jammed");
   if (constraints) constraints->history().record(simulation, state);
+  const std::vector<Event>& all = simulation.events();
+  events.insert(events.end(), all.begin() + static_cast<std::ptrdiff_t>(events_before + events.size()), all.end());
 }
 
 void MotionDerivatives::Impl::begin(const VectorXd& values) {
   simulation.restore(saved_start);
   removals.begin(simulation.events().size());
+  events.clear();
+  events_before = simulation.events().size();
   learned.set(simulation, values);
   if (constraints) constraints->history().begin(simulation);
 }
@@ -122,7 +126,7 @@ void MotionDerivatives::set_accuracy(double relative) {
     throw Error(ErrorKind::input, fmt::format("learning: an accuracy of {} is not between 0 and 1", relative));
   impl_->accuracy = relative;
 }
-std::vector<Event> MotionDerivatives::events() const { return impl_->removals.events(); }
+std::vector<Event> MotionDerivatives::events() const { return impl_->events; }
 void MotionDerivatives::set_memory(std::size_t bytes) { impl_->trajectory.set_memory(bytes); }
 MotionDerivatives::Kept MotionDerivatives::kept() const noexcept {
   const learning::Trajectory::Use& use = impl_->trajectory.use();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -56,6 +58,33 @@ std::string list_of(const std::vector<LearnedParameter>& parameters,
                         ranges_of(each.members));
   }
   return text;
+}
+
+std::string note_of_events(const std::vector<Event>& events, const std::vector<Event>& at_start) {
+  using Key = std::tuple<Event::Kind, bool, std::uint32_t, std::int32_t, double>;
+  const auto key = [](const Event& each) { return Key{each.kind, each.element, each.index, each.surface, each.time}; };
+  std::multiset<Key> known;
+  for (const Event& each : at_start) known.insert(key(each));
+  std::size_t ruptures = 0, contacts = 0, moved = 0;
+  const Event* first = nullptr;
+  for (const Event& each : events) {
+    if (each.kind == Event::Kind::cut) continue;  // at a time that is given
+    if (first == nullptr) first = &each;
+    ++(each.kind == Event::Kind::ruptured ? ruptures : contacts);
+    if (const auto found = known.find(key(each)); found != known.end())
+      known.erase(found);
+    else
+      ++moved;
+  }
+  if (first == nullptr) return {};
+  std::string text;
+  if (ruptures > 0) text = counted(ruptures, "rupture");
+  if (contacts > 0) text += (text.empty() ? "" : " and ") + counted(contacts, "change") + " of contact";
+  return fmt::format(
+      "The motion has {}, from {:g} s on; {} of them in other steps than with the values at the start. Derivatives are "
+      "those of a motion in which the same happens in the same steps: how the times of events move with the values is "
+      "not part of them.",
+      text, first->time, moved > 0 ? fmt::format("{}", moved) : "none");
 }
 
 void add_notes(LearnedNet& learned) {

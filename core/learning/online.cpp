@@ -138,7 +138,7 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   if (result.cost > result.start_cost)
     result.notes.emplace_back("The values at the end are worse than those at the start: learn more slowly (rate).");
   if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
-  fit.note_ruptures(result.notes);
+  fit.note_events(result.notes);
   result.parameters = learning::list_parameters(learnables);
   judge.judge(learner.variables(), result);
   learning::describe(result, variables, learner.variables(), nullptr, {});

@@ -95,7 +95,10 @@ struct ReactionDerivatives::Impl {
     at.evaluation.time = motion.time(state);
     at.evaluation.position = {at.p.data(), at.p.data() + count, at.p.data() + 2 * count};
     at.evaluation.velocity = {at.v.data(), at.v.data() + count, at.v.data() + 2 * count};
-    if (!motion.events().empty())
+    const std::vector<Event> events = motion.events();
+    if (std::any_of(events.begin(), events.end(), [](const Event& each) {
+          return each.kind == Event::Kind::cut || each.kind == Event::Kind::ruptured;
+        }))
       throw Error(ErrorKind::simulation,
                   "learning: reactions of motions in which springs break or are cut are not differentiated");
   }

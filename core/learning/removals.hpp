@@ -29,14 +29,12 @@ class Removals {
   [[nodiscard]] bool any_at(std::size_t state) const;
   // The engine as it is in the step that ends at a state; 0: at the start.
   void set_for_step(std::size_t until);
-  // Cuts and ruptures of the motion.
-  [[nodiscard]] const std::vector<Event>& events() const noexcept { return events_; }
 
  private:
   Engine& engine_;
   std::vector<Engine*> followers_;
   Topology::Removal at_start_;
-  std::vector<Event> events_;
+  std::vector<Event> events_;        // cuts and ruptures
   std::vector<std::size_t> states_;  // [event], rising
   std::size_t taken_ = 0;            // of the simulation's events
   std::size_t applied_ = 0;          // events that the engine is without

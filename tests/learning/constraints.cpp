@@ -1,5 +1,6 @@
 // Derivatives of motions with contact and rigid connections, against differences of the motions themselves.
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <springnet/error.hpp>
+#include <springnet/learn.hpp>
 #include <springnet/motion_derivatives.hpp>
 
 #include "learning_nets.hpp"
@@ -240,7 +242,12 @@ TEST_CASE("derivatives of contact while a spring breaks, with a load among the v
     MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), method(theta, newton), 0.4,
                              values_of_pushed(net));
     motion.run(motion.values_of_network());
-    REQUIRE(motion.events().size() == 1);  // the rupture
+    const std::vector<Event> events = motion.events();
+    const auto count = [&](Event::Kind kind) {
+      return std::count_if(events.begin(), events.end(), [&](const Event& each) { return each.kind == kind; });
+    };
+    REQUIRE(count(Event::Kind::ruptured) == 1);
+    REQUIRE(count(Event::Kind::touched) > 2);
     check_derivatives(net, theta, newton, 0.4, values_of_pushed(net));
   }
 }
@@ -282,4 +289,27 @@ TEST_CASE("velocities of nodes that are constrained from the start are refused")
             MotionDerivatives(std::make_shared<const Network>(net), plugins(), method(1.0, newton), 0.1,
                               {{Kind::initial_velocity, false, "", {node}}});
           }).find("is in contact or rigidly connected at the start") != std::string::npos);
+}
+
+TEST_CASE("a search tells of contacts, and how many happen in other steps than at its start") {
+  const auto falls = [](double height) {
+    Network net;
+    net.add_node(point({0, 0, height}, 1.0));
+    net.add_node(point({0, 0, height + 1.0}, 1.0));
+    net.add_spring(0, 1, net.add_material(damped(50.0, 1.0)));
+    net.set_gravity({0, 0, -10});
+    net.add_plane(floor_with(held));
+    return net;
+  };
+  const Network net = falls(0.2);
+  Simulation real(net, plugins(), method(1.0, newton));
+  for (const NodeIndex k : {0U, 1U}) real.set_velocity(k, {0, 0, 1.0});  // so that it touches later
+  const Observations seen = observe(real, 30, {0, 1});
+  const LearnedNet learned = learn({experiment(net, method(1.0, newton), seen)}, plugins(),
+                                   {{{Kind::initial_velocity, false, "", {0, 1}}}}, LearnOptions{});
+  std::string notes;
+  for (const std::string& each : learned.notes) notes += each + "\n";
+  CAPTURE(notes);
+  CHECK(notes.find("The motion has 1 change of contact, from") != std::string::npos);
+  CHECK(notes.find("; 1 of them in other steps than") != std::string::npos);
 }

@@ -70,8 +70,9 @@ class SPRINGNET_API MotionDerivatives {
   // a step fails, or has what cannot be differentiated; there is then no trajectory.
   void run(const Eigen::VectorXd& values);
 
-  // Cuts and ruptures of the last run. A step is differentiated with what it had: derivatives are those of motions in
-  // which the same breaks in the same steps. How the time of a rupture moves with the values is not part of them.
+  // What happened in the last run: cuts, ruptures, contacts. A step is differentiated with what it had: derivatives are
+  // those of motions in which the same happens in the same steps. How the times of events move with the values is not
+  // part of them.
   [[nodiscard]] std::vector<Event> events() const;
 
   // Bytes that the states of the runs to come may take [1 GiB]. If not all fit, some are kept together with saved
