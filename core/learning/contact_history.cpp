@@ -1,5 +1,6 @@
 #include "learning/contact_history.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace springnet::learning {
@@ -36,8 +37,42 @@ void ContactHistory::begin(const Simulation& simulation) {
   events_ = simulation.events().size();
 }
 
+// Where a step began contacts may have been decided anew; their events are of that time.
+void ContactHistory::settle(const Simulation& simulation) {
+  const std::vector<Event>& events = simulation.events();
+  std::map<std::uint32_t, Touch> settled;
+  for (; events_ < events.size() && events[events_].time < simulation.time(); ++events_) {
+    const Event& event = events[events_];
+    const bool is_of_contact = event.kind == Event::Kind::touched || event.kind == Event::Kind::released ||
+                               event.kind == Event::Kind::slipped || event.kind == Event::Kind::stuck;
+    if (!is_of_contact) continue;
+    const std::uint32_t node = simulation.columns()[event.index];
+    const auto now = now_.find(node);
+    Touch& touch = settled.emplace(node, now == now_.end() ? Touch{} : now->second).first->second;
+    const auto cause = event.kind == Event::Kind::touched    ? ContactCause::Kind::touch
+                       : event.kind == Event::Kind::released ? ContactCause::Kind::release
+                       : event.kind == Event::Kind::slipped  ? ContactCause::Kind::slip
+                                                             : ContactCause::Kind::stick;
+    touch = after(touch, {cause, event.surface});
+  }
+  for (const auto& [node, touch] : settled) {
+    std::vector<Change>& changes = changes_[state_];
+    const auto found = std::find_if(changes.begin(), changes.end(),
+                                    [node = node](const Change& each) { return each.contact.node == node; });
+    if (found != changes.end()) {
+      found->after = touch;
+    } else {
+      const auto now = now_.find(node);
+      const Touch before = now == now_.end() ? Touch{} : now->second;
+      changes.push_back({{node, before, before, false}, touch});
+    }
+    set(node, touch);
+  }
+}
+
 void ContactHistory::record(const Simulation& simulation, std::size_t step) {
   move_to(step - 1);
+  settle(simulation);
   // A bounce touches and releases in one step: of what is committed it leaves nothing.
   std::map<std::uint32_t, std::vector<std::int32_t>> touched, bounced;
   for (; events_ < simulation.events().size(); ++events_) {
@@ -75,13 +110,14 @@ void ContactHistory::record(const Simulation& simulation, std::size_t step) {
   move_to(step);
 }
 
+void ContactHistory::set(std::uint32_t node, const Touch& touch) {
+  if (touch.surface < 0)
+    now_.erase(node);
+  else
+    now_[node] = touch;
+}
+
 void ContactHistory::move_to(std::size_t state) {
-  const auto set = [this](std::uint32_t node, const Touch& touch) {
-    if (touch.surface < 0)
-      now_.erase(node);
-    else
-      now_[node] = touch;
-  };
   while (state_ < state) {
     const auto found = changes_.find(++state_);
     if (found == changes_.end()) continue;

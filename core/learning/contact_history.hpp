@@ -19,7 +19,8 @@ class ContactHistory {
   // After the step that has reached state `step`.
   void record(const Simulation& simulation, std::size_t step);
 
-  // The contacts committed at a state, by node (the engine's number).
+  // The contacts with which the step after a state begins, by node (the engine's number): those committed there, and
+  // what a change from outside made of them (ruptures, loads that are switched).
   [[nodiscard]] const std::map<std::uint32_t, Touch>& at(std::size_t state);
   // Those within the step that ends at a state.
   [[nodiscard]] std::vector<StepContact> within(std::size_t step);
@@ -30,6 +31,8 @@ class ContactHistory {
     Touch after;  // committed at the end
   };
   void move_to(std::size_t state);
+  void set(std::uint32_t node, const Touch& touch);
+  void settle(const Simulation& simulation);
 
   std::map<std::uint32_t, Touch> now_;  // at state_
   std::size_t state_ = 0;

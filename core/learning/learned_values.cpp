@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -38,6 +39,30 @@ using Kind = LearnedValues::Kind;
     default:
       return SPRINGNET_BY_MASS;
   }
+}
+
+// What a change makes of a value of this kind: the factor of it; none: the change does not concern it.
+[[nodiscard]] std::optional<double> factor_of(const Change& change, const LearnedValues& what) {
+  const auto sets = [&](const ParameterValues& values) {
+    return values.count(what.parameter) != 0 ? std::optional<double>(0.0) : std::nullopt;
+  };
+  switch (what.kind) {
+    case Kind::spring_parameter:
+      return sets(change.spring);
+    case Kind::viscosity_parameter:
+      return sets(change.viscosity);
+    case Kind::rest_length:
+      return change.reference ? std::optional<double>(0.0) : change.reference_scale;
+    case Kind::mass:
+      return change.mass ? std::optional<double>(0.0) : std::nullopt;
+    case Kind::neuron_parameter:
+      return sets(change.neuron);
+    default:
+      return std::nullopt;
+  }
+}
+[[nodiscard]] const std::vector<std::uint32_t>& members_of(const Change& change, const LearnedValues& what) {
+  return is_of_nodes(what.kind) ? change.nodes : what.of_elements ? change.elements : change.springs;
 }
 
 using Values = std::vector<double>;
@@ -191,6 +216,22 @@ std::vector<double> LearnedSets::values_of(const Set& set, const Eigen::VectorXd
   return {first, first + set.size()};
 }
 
+std::pair<LearnedValues, std::vector<double>> LearnedSets::present(const Set& set,
+                                                                   const Eigen::VectorXd& values) const {
+  std::pair<LearnedValues, std::vector<double>> result{set.what, values_of(set, values)};
+  if (set.factors.empty()) return result;
+  auto& [what, own] = result;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < set.factors.size(); ++i) {
+    if (set.factors[i] == 0.0) continue;
+    what.members[next] = what.members[i];
+    own[next++] = set.factors[i] * own[i];
+  }
+  what.members.resize(next);
+  own.resize(next);
+  return result;
+}
+
 void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) const {
   set_without_start(simulation, values);
   for (const Set& set : sets_) {
@@ -205,9 +246,8 @@ void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) con
 template <class Target>
 void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const {
   for (const Set& set : sets_) {
-    const LearnedValues& what = set.what;
+    const auto [what, own] = present(set, values);
     if (what.members.empty()) continue;
-    const std::vector<double> own = values_of(set, values);
     switch (what.kind) {
       case Kind::spring_parameter:
       case Kind::viscosity_parameter:
@@ -233,6 +273,27 @@ void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorX
 
 void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const {
   set_laws_and_masses(OfSimulation{simulation}, values);
+}
+
+void LearnedSets::follow_changes(const std::vector<Change>& changes, const std::vector<std::size_t>& made) {
+  for (Set& set : sets_) {
+    if (set.is_velocity() || set.is_load() || (made.empty() && set.factors.empty())) continue;
+    // What has been summed so far was by other factors.
+    set.sums.resize(set.places.size(), 0.0);
+    for (std::size_t i = 0; i < set.places.size(); ++i)
+      set.sums[i] += set.factor(i) * std::exchange(set.values[set.places[i]], 0.0);
+    std::map<std::uint32_t, double> factors;  // of members that change
+    for (const std::size_t number : made) {
+      const std::optional<double> factor = factor_of(changes[number], set.what);
+      if (!factor) continue;
+      for (const std::uint32_t member : members_of(changes[number], set.what))
+        factors.emplace(member, 1.0).first->second *= *factor;
+    }
+    set.factors.assign(set.places.size(), 1.0);
+    for (std::size_t i = 0; i < set.places.size(); ++i)
+      if (const auto found = factors.find(set.what.members[i]); found != factors.end()) set.factors[i] = found->second;
+    if (factors.empty()) set.factors.clear();
+  }
 }
 
 void LearnedSets::set(Engine& engine, const Eigen::VectorXd& values) const {
@@ -304,7 +365,7 @@ void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet
     if (set.is_velocity()) continue;
     std::fill(set.values.begin(), set.values.end(), 0.0);
     for (std::size_t i = 0; i < set.places.size(); ++i)
-      set.values[set.places[i]] = change[static_cast<Eigen::Index>(set.first + i)];
+      set.values[set.places[i]] = set.factor(i) * change[static_cast<Eigen::Index>(set.first + i)];
   }
   const std::vector<sdk::Host::ParameterSet> sets = host_sets();
   if (!sets.empty()) {
@@ -321,7 +382,10 @@ void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet
 }
 
 void LearnedSets::begin_cotangent() {
-  for (Set& set : sets_) std::fill(set.values.begin(), set.values.end(), 0.0);
+  for (Set& set : sets_) {
+    std::fill(set.values.begin(), set.values.end(), 0.0);
+    set.sums.clear();
+  }
 }
 
 void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
@@ -340,11 +404,12 @@ Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const
   const Eigen::Index nodes = by_velocity.size() / 3;
   for (const Set& set : sets_) {
     auto next = static_cast<Eigen::Index>(set.first);
-    for (const std::uint32_t place : set.places) {
+    for (std::size_t i = 0; i < set.places.size(); ++i) {
+      const std::uint32_t place = set.places[i];
       if (set.is_velocity())
         for (Eigen::Index axis = 0; axis < 3; ++axis) result[next++] = by_velocity[axis * nodes + place];
       else
-        result[next++] = set.values[place];
+        result[next++] = set.sum(i);
     }
   }
   return result;
@@ -361,7 +426,7 @@ Eigen::VectorXd LearnedSets::mass_changes(const Eigen::VectorXd& change, std::si
   Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodes));
   for (const Set& set : sets_)
     for (std::size_t i = 0; set.what.kind == Kind::mass && i < set.places.size(); ++i)
-      result[set.places[i]] += change[static_cast<Eigen::Index>(set.first + i)];
+      result[set.places[i]] += set.factor(i) * change[static_cast<Eigen::Index>(set.first + i)];
   return result;
 }
 

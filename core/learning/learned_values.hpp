@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,6 +31,10 @@ class LearnedSets {
   // Of a motion on its way, whose start is over.
   void set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const;
   void set(Engine& engine, const Eigen::VectorXd& values) const;
+
+  // These changes of the network have been made: what they set no longer depends on what is learned, and what they
+  // scale does so by their factor. Of the tangents, cotangents and settings to come.
+  void follow_changes(const std::vector<Change>& changes, const std::vector<std::size_t>& made);
 
   // A change of the values as sets of the host; `values` holds those of the sets.
   [[nodiscard]] std::vector<springnet_parameter_set> sets_along(const Eigen::VectorXd& change,
@@ -59,6 +64,12 @@ class LearnedSets {
     std::size_t first = 0;              // of its values
     std::vector<std::uint32_t> places;  // [member] in `values`; of start velocities: the engine's nodes
     std::vector<double> values;
+    std::vector<double> factors;  // [member] of what is learned, by changes of the network; empty: 1
+    std::vector<double> sums;     // as `values`: of cotangents with other factors; empty: none
+    [[nodiscard]] double factor(std::size_t member) const { return factors.empty() ? 1.0 : factors[member]; }
+    [[nodiscard]] double sum(std::size_t member) const {
+      return (sums.empty() ? 0.0 : sums[member]) + factor(member) * values[places[member]];
+    }
     [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
     [[nodiscard]] bool is_load() const noexcept { return what.kind == LearnedValues::Kind::load; }
     [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
@@ -66,6 +77,9 @@ class LearnedSets {
   template <class Target>
   void set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<double> values_of(const Set& set, const Eigen::VectorXd& values) const;
+  // The set without what the network's changes have set.
+  [[nodiscard]] std::pair<LearnedValues, std::vector<double>> present(const Set& set,
+                                                                      const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<sdk::Host::ParameterSet> host_sets();
   // Changes of accelerations for one of a load's factor.
   [[nodiscard]] static Eigen::VectorXd by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,

@@ -18,6 +18,7 @@
 #include "learning/learned_values.hpp"
 #include "learning/motion_checks.hpp"
 #include "learning/removals.hpp"
+#include "learning/scene_changes.hpp"
 #include "learning/step_constraints.hpp"
 #include "learning/step_solver.hpp"
 #include "learning/trajectory.hpp"
@@ -49,8 +50,9 @@ struct MotionDerivatives::Impl {
         internal(engine, theta),
         same_at_both(learning::have_no_jumps(*net) && !internal.any()),
         removals(engine),
+        scene_changes(*net, engine, learned),
         steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
-    learning::check_method(*net, options.integrator);
+    learning::check_method(options.integrator);
     if (!(duration > 0.0) || !std::isfinite(duration) || steps == 0)
       throw Error(ErrorKind::input,
                   fmt::format("learning: a duration of {} s has no time step of {} s", duration, options.time_step));
@@ -61,6 +63,7 @@ struct MotionDerivatives::Impl {
       constraints = std::make_unique<learning::StepConstraints>(*net, *plugins, options);
       constraints->check_starts(learned, simulation);
       removals.follow(constraints->engine());
+      scene_changes.follow(constraints->engine());
     }
     internal.check_start(learned, network_values);
     saved_start = simulation.save();
@@ -147,6 +150,7 @@ struct MotionDerivatives::Impl {
   void start_backwards(std::size_t k);
   void guess_backwards();
   void set_engines(const Eigen::VectorXd& values);
+  void set_for_step(std::size_t until);
   void find_outputs(const Step& step);
   [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
   [[nodiscard]] Engine& engine_of(const sdk::Host& of) { return &of == &host ? engine : constraints->engine(); }
@@ -175,13 +179,15 @@ struct MotionDerivatives::Impl {
   learning::InternalStates internal;
   bool same_at_both;  // accelerations at a time, as the end of a step and as the start of the next one
   learning::Removals removals;
+  learning::SceneChanges scene_changes;
   double accuracy = 1e-10;
   std::size_t steps, nodes = 0;
   std::string saved_start;
   Eigen::VectorXd network_values;
-  std::vector<Event> events;      // of the last run; those of the simulation follow the steps that are made again
-  std::size_t events_before = 0;  // in the simulation
-  Eigen::VectorXd dp, dv;         // the change of a state, or derivatives of the loss by it
+  Eigen::VectorXd present_values;  // of the engines
+  std::vector<Event> events;       // of the last run; those of the simulation follow the steps that are made again
+  std::size_t events_before = 0;   // in the simulation
+  Eigen::VectorXd dp, dv;          // the change of a state, or derivatives of the loss by it
   Eigen::VectorXd rhs, product, other, solution, work;
   Eigen::VectorXd weights;                  // of the accelerations at a state
   std::deque<Eigen::VectorXd> solved;       // backwards: of the last steps

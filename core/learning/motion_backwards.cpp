@@ -49,8 +49,9 @@ void MotionDerivatives::Impl::guess_backwards() {
 void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   // The accelerations at the start of the next step may have other loads, states, springs or contacts than those at the
   // end of this one.
-  if (pending.size() > 0 && (!same_at_both || removals.any_at(k) || is_constrained_at(k))) start_backwards(k);
-  removals.set_for_step(k);
+  if (pending.size() > 0 && (!same_at_both || removals.any_at(k) || scene_changes.any_at(k) || is_constrained_at(k)))
+    start_backwards(k);
+  set_for_step(k);
   const Step own = step(k);
   const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
   weights.setZero(size());
@@ -99,7 +100,7 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
     if (k > 0) with_messages([&] { step_backwards(k); });
   }
   if (pending.size() > 0) {
-    removals.set_for_step(1);
+    set_for_step(1);
     with_messages([&] { start_backwards(0); });
   }
   clear_pinned(dv);

@@ -15,7 +15,7 @@ double option(const LawUse& integrator, const char* name, double otherwise) {
   return given == integrator.parameters.end() ? otherwise : given->second;
 }
 
-void check_method(const Network& network, const LawUse& integrator) {
+void check_method(const LawUse& integrator) {
   const auto refuse = [](const std::string& what) { throw Error(ErrorKind::input, "learning: " + what); };
   if (integrator.id != "recurrent")
     refuse(fmt::format("the integrator is '{}'; only steps of 'recurrent' are differentiated", integrator.id));
@@ -23,7 +23,6 @@ void check_method(const Network& network, const LawUse& integrator) {
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
   if (option(integrator, "events", 0.0) != 0.0)
     refuse("steps that are divided where events are located are not differentiated; set events = \"stepwise\"");
-  if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
 }
 
 bool have_no_jumps(const Network& network) {

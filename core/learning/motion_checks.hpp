@@ -9,7 +9,7 @@ namespace springnet::learning {
 [[nodiscard]] double option(const LawUse& integrator, const char* name, double otherwise);
 
 // Throws Error(input) for what cannot be differentiated.
-void check_method(const Network& network, const LawUse& integrator);
+void check_method(const LawUse& integrator);
 
 // Whether derivatives of accelerations at a time do not depend on the step: loads are averaged over each, and
 // derivatives by masses have them; input signals may jump.

@@ -34,6 +34,7 @@ void MotionDerivatives::Impl::check_step(std::size_t state) {
   if (report.outcome != Outcome::settled) refuse("a step that has not settled");
   if (report.substeps > 0) refuse("a step that was divided as it did not settle");
   if (removals.take(simulation.events(), state, simulation.time()) != nullptr) refuse("a node that is jammed");
+  scene_changes.take(state, simulation.time());
   if (constraints) constraints->history().record(simulation, state);
   const std::vector<Event>& all = simulation.events();
   events.insert(events.end(), all.begin() + static_cast<std::ptrdiff_t>(events_before + events.size()), all.end());
@@ -42,6 +43,7 @@ void MotionDerivatives::Impl::check_step(std::size_t state) {
 void MotionDerivatives::Impl::begin(const VectorXd& values) {
   simulation.restore(saved_start);
   removals.begin(simulation.events().size());
+  scene_changes.begin();
   events.clear();
   events_before = simulation.events().size();
   learned.set(simulation, values);
@@ -55,7 +57,14 @@ void MotionDerivatives::Impl::run(const VectorXd& values) {
   set_engines(values);
 }
 
+// The engines as they are in the step that ends at a state; 0: at the start.
+void MotionDerivatives::Impl::set_for_step(std::size_t until) {
+  removals.set_for_step(until);
+  scene_changes.set_for_step(until, [this](Engine& of) { learned.set(of, present_values); });
+}
+
 void MotionDerivatives::Impl::set_engines(const VectorXd& values) {
+  present_values = values;
   learned.set(engine, values);
   if (constraints) learned.set(constraints->engine(), values);
 }

@@ -95,7 +95,7 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
   for (std::size_t k = 0;; ++k) {
     told(k, columns_in_user_order(dps), columns_in_user_order(dvs));
     if (k + 1 >= trajectory.size()) return;
-    removals.set_for_step(k + 1);
+    set_for_step(k + 1);
     with_messages([&] { step_forwards(step(k + 1)); });
   }
 }
@@ -115,13 +115,15 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
     throw Error(ErrorKind::input, "learning: steps are made after begin_steps(), with as many changes");
   learned.check(values);
   for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
-  learned.set_without_start(simulation, values);
   removals.begin_at_last();
+  scene_changes.begin_at_last();
+  set_for_step(1);
+  learned.set_without_start(simulation, values);
   if (constraints) constraints->history().begin(simulation);
   simulation.step();
   check_step(1);
   trajectory.hold(trajectory.at(1), present());
-  removals.set_for_step(1);
+  set_for_step(1);
   set_engines(values);
   changes = directions;
   dps_before = dps;

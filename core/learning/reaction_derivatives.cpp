@@ -42,6 +42,9 @@ struct ReactionDerivatives::Impl {
       throw Error(ErrorKind::input, "learning: reactions of nets with rigid connections are not differentiated");
     if (free.host.network().internal_count > 0)
       throw Error(ErrorKind::input, "learning: reactions of laws with internal states are not differentiated");
+    if (!network.changes().empty())
+      throw Error(ErrorKind::input,
+                  "learning: reactions of a net that changes while it runs ([[change]]) are not differentiated");
     if (!network.moves().empty()) given.emplace(network, plugins, options);
     for (NodeIndex k = 0; k < count; ++k) pinned[k] = network.nodes()[k].fixed ? 1 : 0;
     for (const Move& move : network.moves())

@@ -191,6 +191,10 @@ void set_values(Engine& engine, const Members& members, const std::vector<std::u
   engine.laws_changed();
 }
 
+double reference_of(const Members& members, std::uint32_t member) {
+  return members.are_elements ? members.layout.elements().reference(member) : members.value(member, 0);
+}
+
 void check_references(const Members& members, const std::vector<std::uint32_t>& list,
                       const std::vector<double>& values) {
   check_count(members, values.size(), list.size());

@@ -52,6 +52,7 @@ void check_values(const Members& members, const std::vector<std::uint32_t>& list
 void set_values(Engine& engine, const Members& members, const std::vector<std::uint32_t>& list, const LawValue& what,
                 const std::vector<double>& values);
 // Rest lengths (m), or references.
+[[nodiscard]] double reference_of(const Members& members, std::uint32_t member);
 void check_references(const Members& members, const std::vector<std::uint32_t>& list,
                       const std::vector<double>& values);
 void set_references(Engine& engine, const Members& members, const std::vector<std::uint32_t>& list,

@@ -48,9 +48,7 @@ void for_values(const layers::Layout& layout, const Change& change, const What& 
 
 std::vector<double> scaled(const Members& members, const std::vector<std::uint32_t>& list, double factor) {
   std::vector<double> values;
-  for (const std::uint32_t member : list)
-    values.push_back(factor *
-                     (members.are_elements ? members.layout.elements().reference(member) : members.value(member, 0)));
+  for (const std::uint32_t member : list) values.push_back(factor * reference_of(members, member));
   return values;
 }
 
@@ -85,7 +83,7 @@ void ScheduledChanges::check(const Change& change) const {
   if (change.remove) check_removal(engine_, change.nodes);
 }
 
-void ScheduledChanges::perform(const Change& change) {
+void ScheduledChanges::set_values_of(const Change& change) {
   const layers::Layout& layout = engine_.model().layout;
   for_values(layout, change, [&](const Members& members, const auto& list, const LawValue& what, double value) {
     set_values(engine_, members, list, what, {value});
@@ -96,19 +94,26 @@ void ScheduledChanges::perform(const Change& change) {
   });
   for (const auto& [name, value] : change.neuron) set_neurons(engine_, change.nodes, name, {value});
   if (change.mass) set_masses(engine_, change.nodes, {*change.mass});
+}
+
+void ScheduledChanges::perform(const Change& change) {
+  set_values_of(change);
   if (!change.remove) return;
   if (!change.springs.empty()) engine_.topology().cut(change.springs);
   if (!change.elements.empty()) engine_.topology().remove_elements(change.elements);
   if (!change.nodes.empty()) remove_nodes(engine_, change.nodes);
 }
 
+// As for cuts.
+bool ScheduledChanges::is_due(double time, double now, double time_step) noexcept {
+  return time <= now + 1e-9 * std::min(time_step, now);
+}
+
 void ScheduledChanges::perform_due() {
-  // As for cuts: rounding of times.
   const Model& model = engine_.model();
-  const double slack = 1e-9 * std::min(model.time_step, model.time);
   for (const std::size_t i : by_time_) {
     Scheduled& scheduled = changes_[i];
-    if (scheduled.done || scheduled.change.time > model.time + slack) continue;
+    if (scheduled.done || !is_due(scheduled.change.time, model.time, model.time_step)) continue;
     scheduled.done = true;
     perform(scheduled.change);
   }

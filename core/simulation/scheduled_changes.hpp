@@ -20,6 +20,13 @@ class ScheduledChanges {
 
   // Those up to the committed time, but for exchanges of the integrator.
   void perform_due();
+  // Whether a change at a time (s) is made at the end of a step that reaches `now`: but for rounding of times.
+  [[nodiscard]] static bool is_due(double time, double now, double time_step) noexcept;
+  // Sets what a change of the scene, by its number, says of laws, rest states, neurons and masses, and leaves what it
+  // removes; it does not count as made.
+  void set_values_of(std::size_t change) { set_values_of(changes_[change].change); }
+  // Numbers of the changes in the order in which they are made.
+  [[nodiscard]] const std::vector<std::size_t>& in_order() const noexcept { return by_time_; }
   // Time of the next change, s; infinity if there is none.
   [[nodiscard]] double next(double time) const noexcept;
   // Of a change of the scene, by its number: whether it was made, and its integrator exchanged.
@@ -41,6 +48,7 @@ class ScheduledChanges {
   };
   void check(const Change& change) const;
   void perform(const Change& change);
+  void set_values_of(const Change& change);
   [[nodiscard]] std::vector<Scheduled>::iterator first_exchange() noexcept;
 
   Engine& engine_;

@@ -1,0 +1,53 @@
+// The scene's changes of laws, rest states, neurons and masses in a motion: from the step after its state on a net has
+// what a change gives it, and the engines that answer for derivatives have to have what a step had, forwards and
+// backwards. What changes remove is left to Removals.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "learning/learned_values.hpp"
+#include "simulation/engine.hpp"
+
+namespace springnet::learning {
+
+class SceneChanges {
+ public:
+  // Engines with the values at the start, and what else is to be told of the changes that have been made. Throws
+  // Error(input) for changes that are not differentiated.
+  SceneChanges(const Network& network, Engine& engine, LearnedSets& learned);
+  // Another engine of the same net that is to follow.
+  void follow(Engine& engine);
+
+  // A new motion. The engines have what the network says, and what is learned is to be set.
+  void begin();
+  // After the step that has reached a state at this time (s).
+  void take(std::size_t state, double time);
+  // All so far are of state 0, as of a motion that begins there.
+  void begin_at_last();
+  // Sets what is learned in an engine, after its values have been set back.
+  using Set = std::function<void(Engine&)>;
+  // The engines as they are in the step that ends at a state; 0: at the start.
+  void set_for_step(std::size_t until, const Set& set_learned);
+  [[nodiscard]] bool any_at(std::size_t state) const;
+
+ private:
+  // Values of an engine before changes that concern them.
+  struct Before {
+    Engine& engine;
+    std::vector<std::function<void()>> put_back;
+  };
+  void remember(const Change& change, Before& before) const;
+  void put_back();
+  void tell();
+
+  const std::vector<Change>& changes_;
+  LearnedSets& learned_;
+  std::vector<std::size_t> order_;   // numbers of changes to come, in the order in which they are made
+  std::vector<std::size_t> states_;  // [change made], rising
+  std::vector<Before> engines_;
+  std::size_t applied_ = 0;
+};
+
+}  // namespace springnet::learning
