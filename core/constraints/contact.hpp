@@ -163,6 +163,10 @@ class Contact {
   // Position at the end of the step of a node that the surface carries from the meeting on.
   [[nodiscard]] Vector3 carried_from(const Placement& at, const Vector3& start, const Vector3& end,
                                      const Meeting& meeting) const;
+  // Position at the end of the step of a node that a surface holds where it touched: where the path of its start
+  // velocity meets the surface, or the projection of its end if it falls short. `length`: s, of the step.
+  [[nodiscard]] Vector3 where_it_touched(const Placement& at, double length, const Vector3& start,
+                                         const Vector3& start_velocity, std::int32_t surface) const;
   // Position at the end of the step of a node that the surface carries from the start.
   [[nodiscard]] Vector3 carried(const Placement& at, const Vector3& start, std::int32_t surface) const;
   // A vector at a node, rotated with the surface over the step.

@@ -315,15 +315,20 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
       slide(within, node, on, candidate);
     return;
   }
-  // Where it touched: where the path of its start velocity meets the surface, or the projection of its end if it falls
-  // short. This is the same for every sweep, rule and decision. The path under a sweep's forces would not do: in a
-  // stiff net they grow with the stiffness and would displace the node. The force changes the path by O(h^2) only.
-  const Meeting touched{meeting.surface,
-                        obstacles_[j].first_touch(start_->poses[j], candidate.start, at.poses[j], ahead).value_or(2.0)};
-  const Vector3 place = touched.share > 0.0 && touched.share <= 1.0 ? carried_from(at, candidate.start, ahead, touched)
-                        : touched.share > 1.0                       ? onto(at, j, ahead)
-                                              : onto(at, j, carried(at, candidate.start, meeting.surface));
+  const Vector3 place =
+      where_it_touched(at, sweep.time_constant, candidate.start, candidate.start_velocity, meeting.surface);
   stop(within, node, {meeting.surface, false}, place, candidate);
+}
+
+// The same for every sweep, rule and decision. The path under a sweep's forces would not do: in a stiff net they grow
+// with the stiffness and would displace the node. The force changes the path by O(h^2) only.
+Vector3 Contact::where_it_touched(const Placement& at, double length, const Vector3& start,
+                                  const Vector3& start_velocity, std::int32_t surface) const {
+  const auto j = static_cast<std::size_t>(surface);
+  const Vector3 ahead = start + length * start_velocity;
+  const double share = obstacles_[j].first_touch(start_->poses[j], start, at.poses[j], ahead).value_or(2.0);
+  if (share > 1.0) return onto(at, j, ahead);
+  return share > 0.0 ? carried_from(at, start, ahead, {surface, share}) : onto(at, j, carried(at, start, surface));
 }
 
 double Contact::rebound(const Placement& at, std::int32_t surface, const Vector3& position,

@@ -160,7 +160,11 @@ void RigidConnections::Step::touch(std::size_t member, std::int32_t surface, boo
   side.friction = obstacle.friction();
   side.pinned = pinned || !decides_;
   m.is_new = m.is_new || is_new;
-  if (is_new) m.rebound = contact_.rebound(at_, surface, m.position, m.start_velocity, m.free);
+  if (is_new) {
+    // Where it was heading, as of a node without connections.
+    const Vector3 ahead = contact_.onto(at_, static_cast<std::size_t>(surface), m.start + h_ * m.start_velocity);
+    m.rebound = contact_.rebound(at_, surface, ahead, m.start_velocity, m.free);
+  }
   std::vector<ContactNode> nodes;
   if (island_) nodes = std::move(island_->nodes());
   auto place = std::lower_bound(nodes.begin(), nodes.end(), member,
@@ -322,8 +326,7 @@ bool RigidConnections::Step::meet() {
   for (const Found& each : found) {
     if (each.meeting.share > first + simultaneous) continue;
     Member& m = members_[each.member];
-    const auto j = static_cast<std::size_t>(each.meeting.surface);
-    m.place = contact_.onto(at_, j, contact_.carried_from(at_, m.start, m.position, each.meeting));
+    m.place = contact_.where_it_touched(at_, h_, m.start, m.start_velocity, each.meeting.surface);
     touch(each.member, each.meeting.surface, true, false);
   }
   return !found.empty();

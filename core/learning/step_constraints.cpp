@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "constraints/acceleration_gradients.hpp"
 #include "learning/contact_output.hpp"
 #include "learning/rigid_output.hpp"
+#include "learning/touching_cluster.hpp"
 #include "simulation/host_table.hpp"
 
 namespace springnet::learning {
@@ -116,22 +118,23 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
   const StepPlacement placement{*start, *end, h, step.theta};
   for (const StepContact& each : contacts) {
     const std::uint32_t k = each.node;
-    if (model.contact.fixed()[k] != 0) continue;
+    if (model.contact.fixed()[k] != 0 || is_rigid(k)) continue;
     const NodeOverStep node{node_of(step.p, k), node_of(step.v, k), node_of(free, k), node_of(step.P, k),
                             node_of(step.U, k)};
-    const auto derivative = is_rigid(k) ? std::nullopt : output_derivative(model.contact, placement, each, node);
+    const auto derivative = output_derivative(model.contact, placement, each, node);
     if (!derivative)
-      throw Error(ErrorKind::simulation,
-                  fmt::format("learning: the contact of node {} with {} at {:g} s is not differentiated{}",
-                              model.user_number(k), model.contact.name_of(static_cast<std::size_t>(each.touch.surface)),
-                              step.until_time, is_rigid(k) ? ", as the node is rigidly connected" : ""));
+      throw Error(
+          ErrorKind::simulation,
+          fmt::format("learning: the contact of node {} with {} at {:g} s is not differentiated", model.user_number(k),
+                      model.contact.name_of(static_cast<std::size_t>(each.touch.surface)), step.until_time));
     outputs.add({k}, *derivative);
   }
-  add_clusters(step, free, outputs);
+  add_clusters(step, free, contacts, {placement, start}, outputs);
 }
 
-void StepConstraints::add_clusters(const Step& step, const VectorXd& free, ConstrainedOutputs& outputs) const {
-  const Model& model = engine_.model();
+void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const std::vector<StepContact>& contacts,
+                                   const Places& places, ConstrainedOutputs& outputs) {
+  Model& model = engine_.model();
   const RigidConnections& rigid = model.rigid;
   if (!rigid.any()) return;
   const double h = step.until_time - step.from_time;
@@ -159,11 +162,19 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, Const
       if (rigid.cluster_of()[rod.first] == c)
         cluster.rods.push_back(
             {static_cast<Index>(place[rod.first]), static_cast<Index>(place[rod.second]), rod.length});
-    auto derivative = output_derivative(cluster);
+    std::vector<StepContact> own;
+    for (const StepContact& each : contacts)
+      if (rigid.cluster_of()[each.node] == c && model.contact.fixed()[each.node] == 0) own.push_back(each);
+    auto derivative = own.empty()
+                          ? output_derivative(cluster)
+                          : output_differences(model, c, places.start, places.step, step.until_time, own, cluster);
     if (!derivative)
-      throw Error(ErrorKind::simulation,
-                  fmt::format("learning: the step of the rigid connections of node {} to {:g} s is not differentiated",
-                              model.user_number(cluster.nodes.front()), step.until_time));
+      throw Error(
+          ErrorKind::simulation,
+          fmt::format(
+              "learning: the step of the rigid connections of node {} to {:g} s is not differentiated{}",
+              model.user_number(cluster.nodes.front()), step.until_time,
+              own.empty() ? "" : ", with contact of node " + std::to_string(model.user_number(own.front().node))));
     // dW = -dm / m^2.
     for (Index i = 0; i < size; ++i) derivative->by_mobility.col(i) *= -cluster.mobility[i] * cluster.mobility[i];
     outputs.add(std::move(cluster.nodes), std::move(derivative->by_state), std::move(derivative->by_mobility));

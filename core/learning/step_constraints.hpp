@@ -63,7 +63,12 @@ class StepConstraints {
   [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
   template <class Use>
   void for_each_carried(const Use& use);
-  void add_clusters(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs) const;
+  struct Places {
+    const StepPlacement& step;
+    const std::shared_ptr<const Placement>& start;
+  };
+  void add_clusters(const Step& step, const Eigen::VectorXd& free, const std::vector<StepContact>& contacts,
+                    const Places& places, ConstrainedOutputs& outputs);
 
   Engine engine_;
   springnet_host table_;
