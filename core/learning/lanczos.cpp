@@ -21,12 +21,28 @@ void orthogonalise(const std::vector<VectorXd>& basis, VectorXd& vector) {
     for (const VectorXd& each : basis) vector -= each.dot(vector) * each;
 }
 
+// Beyond so many products a decomposition takes as long as they do.
+constexpr Index products_with_each = 60, products_between = 10;
+
 // A unit vector that the basis does not contain; no size: it contains all.
 VectorXd unit_vector_beyond(const std::vector<VectorXd>& basis, Index size) {
   if (static_cast<Index>(basis.size()) >= size) return {};
   VectorXd vector = arbitrary_vector(size, basis.size());
   orthogonalise(basis, vector);
   return vector.normalized();
+}
+
+// U^T A = B V^T + above e v^T, with the last vector v behind those of V.
+void find_reached(const std::vector<VectorXd>& right, const MatrixXd& b, double above, SingularValues& result) {
+  const Index count = b.rows();
+  MatrixXd whole = MatrixXd::Zero(count, static_cast<Index>(right.size()));
+  whole.leftCols(count) = b;
+  if (whole.cols() > count) whole(count - 1, count) = above;
+  const Eigen::BDCSVD<MatrixXd> svd(whole, Eigen::ComputeThinV);
+  result.reached = svd.singularValues();
+  result.reached_right = MatrixXd::Zero(right.front().size(), result.reached.size());
+  for (std::size_t k = 0; k < right.size(); ++k)
+    result.reached_right += right[k] * svd.matrixV().row(static_cast<Index>(k));
 }
 
 }  // namespace
@@ -70,6 +86,12 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
     above.push_back(next.norm());
 
     const auto count = static_cast<Index>(diagonal.size());
+    const bool ends = above.back() <= rounding * greatest;  // the basis has all that acts on its vectors
+    const bool is_last = count >= options.most_products || count >= columns;
+    if (!ends && !is_last && count > products_with_each && count % products_between != 0) {
+      right.push_back(next / next.norm());
+      continue;
+    }
     MatrixXd b = MatrixXd::Zero(count, count);
     for (Index k = 0; k < count; ++k) {
       b(k, k) = diagonal[static_cast<std::size_t>(k)];
@@ -77,19 +99,20 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
     }
     const Eigen::JacobiSVD<MatrixXd> svd(b, Eigen::ComputeFullU | Eigen::ComputeFullV);
     greatest = std::max(greatest, svd.singularValues()[0]);
-    const bool ends = above.back() <= rounding * greatest;  // the basis has all that acts on its vectors
     result.all = ends && count >= columns;
     Index settled = 0;
     while (settled < count &&
            (ends || above.back() * std::abs(svd.matrixU()(count - 1, settled)) <= options.tolerance * greatest))
       ++settled;
-    if (result.all || count >= options.most_products || count >= columns || settled >= options.wanted) {
+    if (result.all || is_last || settled >= options.wanted) {
       settled = std::min(settled, options.wanted);
       while (settled > 0 && !(svd.singularValues()[settled - 1] > rounding * greatest)) --settled;
       result.values = svd.singularValues().head(settled);
       result.right = MatrixXd::Zero(columns, settled);
       for (Index k = 0; k < count; ++k)
         result.right += right[static_cast<std::size_t>(k)] * svd.matrixV().row(k).head(settled);
+      if (!ends) right.push_back(next / next.norm());
+      find_reached(right, b, ends ? 0.0 : above.back(), result);
       return result;
     }
     if (ends) above.back() = 0.0;

@@ -13,6 +13,10 @@ struct SingularValues {
   Eigen::VectorXd values;  // the greatest, descending, as far as they have settled
   Eigen::MatrixXd right;   // their right singular vectors, a column each
   bool all = false;        // what is missing is 0
+  // A = U U^T A + the rest, with all vectors U that the products have made: singular values of U^T A, and their right
+  // vectors. A^T (A A^T + w I)^-1 A is at least what it is for these.
+  Eigen::VectorXd reached;
+  Eigen::MatrixXd reached_right;
 };
 
 struct LanczosOptions {

@@ -156,7 +156,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
                           "product with the observed values; these are {} and {:g}.",
                           most_with_intervals, learning::MinimiseOptions{}.most_numbers, variables.count(), numbers));
     learning::describe(result, variables, minimum.x, nullptr, {});
-    if (!search.stopped) learning::describe_many(result, fit);
+    if (!search.stopped) learning::describe_many(result, fit, options.certainty_products);
     learning::add_notes(result);
     return result;
   }

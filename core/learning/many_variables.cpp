@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr Index products = 60, most_kept = 40;
+constexpr Index most_kept = 40;
 constexpr double without_influence = 1e-13;  // of the greatest component of J^T w
 constexpr std::uint64_t probes = 2;
 
@@ -32,10 +32,11 @@ SingularValues singular_values(Fit& fit, const LanczosOptions& options) {
       [&](const VectorXd& weights) { return gradient_of(fit, weights); }, scale.size(), options);
 }
 
-void describe_many(LearnedNet& learned, Fit& fit) {
-  const SingularValues found = singular_values(fit, {products, most_kept, 1e-4});
+void describe_many(LearnedNet& learned, Fit& fit, int products) {
+  const SingularValues found =
+      singular_values(fit, {std::max<Index>(1, products), std::max<Index>(most_kept, products), 1e-4});
   learned.singular_values.assign(found.values.begin(), found.values.end());
-  const VectorXd square = found.values.cwiseAbs2();
+  const VectorXd square = found.reached.cwiseAbs2();
   // Every direction adds to what the data determine: those that are not known could only take from the guess's share.
   const VectorXd kept = square.cwiseQuotient((square.array() + fit.guess_weight()).matrix());
   // Rows at random have a component along every column that is not 0.
@@ -48,14 +49,14 @@ void describe_many(LearnedNet& learned, Fit& fit) {
     LearnedParameter& each = learned.parameters[k];
     const auto first = static_cast<Index>(each.variable), count = static_cast<Index>(each.variables);
     const VectorXd weights = variables.weights_of(k).cwiseProduct(variables.scale().segment(first, count));
-    const VectorXd along = found.right.middleRows(first, count).transpose() * weights;
+    const VectorXd along = found.reached_right.middleRows(first, count).transpose() * weights;
     each.from_guess = std::max(0.0, 1.0 - along.cwiseAbs2().dot(kept) / weights.squaredNorm());
     each.has_influence = (weights.array() != 0.0 && greatest.segment(first, count).array() > least).any();
   }
   learned.notes.push_back(fmt::format(
       "Singular values are the {} greatest, by Lanczos' method. Shares of the guess are told as the most that "
-      "they can be: the directions of these values alone count as determined.",
-      found.values.size()));
+      "they can be: what {} products with the sensitivities have reached alone counts as determined.",
+      found.values.size(), found.reached.size()));
 }
 
 }  // namespace springnet::learning

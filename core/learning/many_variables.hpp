@@ -13,7 +13,8 @@ namespace springnet::learning {
 // Of the residuals of the observations, by changes of the variables in units of their scale, where `fit` is linearised.
 [[nodiscard]] SingularValues singular_values(Fit& fit, const LanczosOptions& options);
 
-// Sets singular_values, and of the parameters from_guess (at most so much) and has_influence: at the linearised point.
-void describe_many(LearnedNet& learned, Fit& fit);
+// Sets singular_values, and of the parameters from_guess (at most so much; more products find less) and has_influence:
+// at the linearised point.
+void describe_many(LearnedNet& learned, Fit& fit, int products);
 
 }  // namespace springnet::learning

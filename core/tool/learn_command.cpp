@@ -64,6 +64,7 @@ struct LearnArguments {
   int iterations = 100;
   int starts = 1;
   double start_factor = LearnOptions{}.start_factor;
+  int certainty_products = LearnOptions{}.certainty_products;
   std::uint64_t seed = LearnOptions{}.seed;
   bool resume = false;
   double memory = 1024.0;  // MiB
@@ -209,6 +210,7 @@ int run(const LearnArguments& arguments) {
     if (name_of(each) == arguments.optimiser) options.optimiser = each;
   options.starts = arguments.starts;
   options.start_factor = arguments.start_factor;
+  options.certainty_products = arguments.certainty_products;
   options.seed = arguments.seed;
   options.threads = scene.options.threads;
   if (arguments.resume) options.state = read_state(*folder);
@@ -289,6 +291,13 @@ void add_learn(CLI::App& app, Action& action) {
       ->add_option("--starts", arguments->starts,
                    "Searches: the first from the scene's values, others from each value times a factor at random; the "
                    "best is kept, and how far they differ is told [1]")
+      ->type_name("N")
+      ->check(number_between(1, 1e6));
+  command
+      ->add_option(
+          "--certainty-products", arguments->certainty_products,
+          "Of more than 2000 variables: products with the sensitivities, each of about two motions, from which "
+          "is told what the data determine [60]")
       ->type_name("N")
       ->check(number_between(1, 1e6));
   command->add_option("--start-factor", arguments->start_factor, "The greatest factor of those starts [3]")

@@ -99,3 +99,26 @@ TEST_CASE("singular values of a motion's sensitivities by products are those of 
     real = Simulation(net, plugins(), options);
   }
 }
+
+TEST_CASE("what products have reached bounds what the guess gives, from above, and more of them bound it closer") {
+  VectorXd values(30);
+  for (Index k = 0; k < 30; ++k) values[k] = std::pow(10.0, -0.1 * static_cast<double>(k));
+  const MatrixXd a = with_singular_values(60, values);
+  const double weight = 0.01;
+  const MatrixXd determined = a.transpose() * (a * a.transpose() + weight * MatrixXd::Identity(60, 60)).inverse() * a;
+  const VectorXd share = determined.diagonal();
+  VectorXd before = VectorXd::Zero(30);
+  for (const Index products : {5, 10, 20, 30}) {
+    const SingularValues found = found_in(a, {products, products, 1e-4});
+    CHECK(found.reached.size() <= products + 1);
+    VectorXd bound(30);
+    for (Index i = 0; i < 30; ++i)
+      bound[i] = found.reached_right.row(i).cwiseAbs2().dot(
+          found.reached.cwiseAbs2().cwiseQuotient((found.reached.cwiseAbs2().array() + weight).matrix()));
+    CHECK((bound - share).maxCoeff() <= 1e-12);
+    CHECK((before - bound).maxCoeff() <= 1e-12);
+    if (products == 10) CHECK(bound.sum() > 0.5 * share.sum());
+    if (products == 30) CHECK(bound.isApprox(share, 1e-9));
+    before = bound;
+  }
+}
