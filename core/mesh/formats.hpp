@@ -12,5 +12,6 @@ namespace springnet::meshes {
 [[nodiscard]] Mesh read_vtk_xml(const Source& source);
 [[nodiscard]] Mesh read_obj(const Source& source);
 [[nodiscard]] Mesh read_stl(const Source& source);
+[[nodiscard]] Mesh read_ply(const Source& source);
 
 }  // namespace springnet::meshes

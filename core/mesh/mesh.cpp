@@ -19,7 +19,8 @@ struct Format {
 };
 constexpr std::array formats{Format{".msh", meshes::read_gmsh},    Format{".vtk", meshes::read_vtk_legacy},
                              Format{".vtu", meshes::read_vtk_xml}, Format{".vtp", meshes::read_vtk_xml},
-                             Format{".obj", meshes::read_obj},     Format{".stl", meshes::read_stl}};
+                             Format{".obj", meshes::read_obj},     Format{".stl", meshes::read_stl},
+                             Format{".ply", meshes::read_ply}};
 
 }  // namespace
 
@@ -52,7 +53,7 @@ Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading
   }
   throw Error(
       ErrorKind::input,
-      fmt::format("{}: '{}' is not the extension of a mesh file; use .msh (Gmsh), .vtk, .vtu, .vtp, .obj or .stl",
+      fmt::format("{}: '{}' is not the extension of a mesh file; use .msh (Gmsh), .vtk, .vtu, .vtp, .obj, .stl or .ply",
                   file.string(), ending));
 }
 

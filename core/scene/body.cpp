@@ -30,14 +30,16 @@ Node read_prototype(const Table& body, const PluginHost& plugins, const Files& f
   if (mass && body.has("density")) {
     mass->fail("cannot be combined with 'density', which gives the masses; remove one of them");
   }
-  if (mass && body.has("masses")) mass->fail("cannot be combined with 'masses' of the body; remove one of them");
+  for (const char* key : {"masses", "mass"})
+    if (mass && body.has(key))
+      mass->fail(fmt::format("cannot be combined with '{}' of the body; remove one of them", key));
   if (mass) {
     node.mass = mass->number_above_0("kg");
-  } else if (!body.has("density") && !body.has("masses")) {
+  } else if (!body.has("density") && !body.has("masses") && !body.has("mass")) {
     neuron.fail(
-        "has no mass; add 'mass' here, in kg, of each node, or 'density' to the body, in kg/m^3, which gives masses "
-        "from "
-        "its cells");
+        "has no mass; add 'mass' here, in kg, of each node, or to the body 'mass', in kg, of all of it, or 'density', "
+        "in "
+        "kg/m^3, which gives masses from its cells");
   }
   node.neuron = network.add_neuron(use);
   if (const auto velocity = body.find("velocity")) node.velocity = velocity->vector();
@@ -125,6 +127,8 @@ struct BodyReader {
     const auto cells = [&]() -> const Mesh& { return mesh; };
     const auto springs = [&]() -> const std::vector<Edge>& { return edges; };
     const Node prototype = read_prototype(body, plugins, files, network);
+    if (read.is_cloud && body.has("density"))
+      body.find("density")->fail("points have no volume; give the body's 'mass' in kg in its place");
     const std::vector<double> masses = read_masses(body, cells);
     if (const auto elements = read_element_material(body, plugins, files, network)) {
       table.value().at_this_place([&] { add_mesh_body(name, mesh, {}, prototype, masses, {}, network, notes); });
@@ -179,7 +183,9 @@ struct BodyReader {
     const bool has_mesh = body.has("mesh"), has_nodes = body.has("nodes");
     if (has_mesh && has_nodes) body.fail("has both 'mesh' and 'nodes'; leave one out");
     if (!has_mesh && !has_nodes) {
-      body.fail("has no nodes; add mesh = { lattice = [4, 4, 4], spacing = 1.0 }, mesh = { file = … } or 'nodes'");
+      body.fail(
+          "has no nodes; add mesh = { lattice = [4, 4, 4], spacing = 1.0 }, mesh = { file = … }, mesh = { points = …, "
+          "radius = … } or 'nodes'");
     }
     if (has_mesh && body.has("springs")) body.find("springs")->fail("a mesh has springs of its own; remove this key");
     for (const char* key : {"rest_lengths", "masses", "velocities", "faces", "groups"})
@@ -189,8 +195,10 @@ struct BodyReader {
       return {};
     }
     const Table mesh = body.need("mesh").table("body.mesh");
-    if (mesh.has("file") && mesh.has("lattice")) mesh.fail("has both 'file' and 'lattice'; leave one out");
-    return mesh.has("file") ? read_file_body(mesh) : read_lattice_body(mesh);
+    for (const auto& [one, other] :
+         {std::pair("file", "lattice"), std::pair("points", "lattice"), std::pair("points", "file")})
+      if (mesh.has(one) && mesh.has(other)) mesh.fail(fmt::format("has both '{}' and '{}'; leave one out", one, other));
+    return mesh.has("file") || mesh.has("points") ? read_file_body(mesh) : read_lattice_body(mesh);
   }
 };
 

@@ -87,9 +87,28 @@ void check_poisson_ratio(const Table& table, const std::string& body, const NetS
                         : "An [[element]] on areas adds resistance to changes of area"));
 }
 
+// By the sizes of cells; equal where these are points or lines without a cross section.
+std::vector<double> masses_of_whole(const Mesh& mesh, double whole, const Section& section) {
+  const bool has_size = std::any_of(mesh.types.begin(), mesh.types.end(), [&](CellType type) {
+    return dimension_of(type) > 1 || (dimension_of(type) == 1 && section.cross_section);
+  });
+  if (!has_size) return std::vector<double>(mesh.points.size(), whole / static_cast<double>(mesh.points.size()));
+  // Only the shares count.
+  std::vector<double> masses = masses_of(mesh, 1.0, {section.thickness.value_or(1.0), section.cross_section});
+  const double sum = std::accumulate(masses.begin(), masses.end(), 0.0);
+  for (double& each : masses) each *= whole / sum;
+  return masses;
+}
+
 }  // namespace
 
 std::vector<double> read_masses(const Table& body, const Cells& cells) {
+  if (const auto mass = body.find("mass")) {
+    if (body.has("density"))
+      mass->fail("cannot be combined with 'density', which gives the masses; remove one of them");
+    const double whole = mass->number_above_0("kg");
+    return mass->at_this_place([&] { return masses_of_whole(cells(), whole, read_section(body)); });
+  }
   const auto density = body.find("density");
   if (!density) return {};
   const double value = density->number_above_0("kg/m^3");

@@ -1,6 +1,7 @@
 #include "scene/shape.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -8,6 +9,8 @@
 
 namespace springnet::scene {
 namespace {
+
+constexpr std::int64_t default_neighbours = 30;
 
 Diagonals read_diagonals(const Table& mesh) {
   const auto diagonals = mesh.find("diagonals");
@@ -45,7 +48,7 @@ EdgeOptions edge_options(Diagonals diagonals) {
 }
 
 Lattice read_lattice(const Table& mesh) {
-  refuse(mesh, {"scale", "rotation", "start"}, "lattice");
+  refuse(mesh, {"scale", "rotation", "start", "radius", "neighbours"}, "lattice");
   Lattice lattice;
   const std::vector<Value> nodes = mesh.need("lattice").elements(3);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,9 +69,52 @@ Lattice read_lattice(const Table& mesh) {
   return lattice;
 }
 
+namespace {
+
+// Points of a CSV table, or of a file with a mesh, in whose cells a cloud has no interest.
+std::vector<Vector3> read_points(const Value& name, const Files& files) {
+  const std::filesystem::path path = files.resolve(name);
+  if (has_mesh_ending(path)) return name.at_this_place([&] { return read_mesh(path, files.loading); }).points;
+  const CsvColumns columns = files.csv_columns(name, {"x", "y", "z"});
+  std::vector<Vector3> result;
+  for (std::size_t row = 0; row < columns.lines.size(); ++row)
+    result.emplace_back(columns.values[0][row], columns.values[1][row], columns.values[2][row]);
+  if (result.empty()) name.fail("has no points; give a row x,y,z or more");
+  return result;
+}
+
+// Points that no pair has, for a note.
+std::size_t count_alone(std::size_t points, const std::vector<Edge>& pairs) {
+  std::vector<bool> has_any(points);
+  for (const Edge& pair : pairs) has_any[pair.first] = has_any[pair.second] = true;
+  return static_cast<std::size_t>(std::count(has_any.begin(), has_any.end(), false));
+}
+
+MeshBody read_cloud(const Table& table, const std::string& body, const Files& files, std::vector<std::string>& notes) {
+  refuse(table, {"spacing", "diagonals"}, "cloud of points");
+  const Value radius = table.need("radius");
+  const double within = radius.number_above_0("m");
+  const std::int64_t most = table.has("neighbours") ? table.need("neighbours").integer(1) : default_neighbours;
+  MeshBody result;
+  result.is_cloud = true;
+  result.mesh.points = read_points(table.need("points"), files);
+  place(table, result.mesh);
+  files.tell("finding the neighbours of points", result.mesh.points.size());
+  const std::vector<Edge> pairs =
+      radius.at_this_place([&] { return near_pairs(result.mesh.points, within, static_cast<std::size_t>(most)); });
+  for (const auto& [first, second] : pairs) result.mesh.add_cell(CellType::line, std::array{first, second});
+  if (const std::size_t alone = count_alone(result.mesh.points.size(), pairs); alone > 0)
+    notes.push_back(fmt::format("Body '{}': {} of its {} points have no other within {:g} m, and so no spring.", body,
+                                alone, result.mesh.points.size(), within));
+  return result;
+}
+
+}  // namespace
+
 MeshBody read_mesh_body(const Table& table, const std::string& body, const Files& files,
                         std::vector<std::string>& notes) {
-  refuse(table, {"spacing"}, "file");
+  if (table.has("points")) return read_cloud(table, body, files, notes);
+  refuse(table, {"spacing", "radius", "neighbours"}, "file");
   const Value file = table.need("file");
   const std::filesystem::path path = files.resolve(file);
   MeshBody result{file.at_this_place([&] { return read_mesh(path, files.loading); }),
@@ -82,7 +128,11 @@ std::vector<Vector3> read_start(const Table& table, std::size_t count, const Fil
   const auto start = table.find("start");
   if (!start) return {};
   const std::filesystem::path path = files.resolve(*start);
-  Mesh mesh = start->at_this_place([&] { return read_mesh(path, files.loading); });
+  Mesh mesh;
+  if (table.has("points"))
+    mesh.points = read_points(*start, files);
+  else
+    mesh = start->at_this_place([&] { return read_mesh(path, files.loading); });
   if (mesh.points.size() != count) {
     start->fail(fmt::format("has {} points, the body has {} nodes; give a mesh of the same points, in the same order",
                             mesh.points.size(), count));

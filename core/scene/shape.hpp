@@ -18,9 +18,10 @@ namespace springnet::scene {
 
 struct MeshBody {
   Mesh mesh;  // scaled, rotated and moved
-  EdgeOptions edges;
+  EdgeOptions edges{};
+  bool is_cloud = false;  // points, and lines between near ones
 };
-// The keys of body.mesh with a file. Notes name the body.
+// The keys of body.mesh with a file, or with points. Notes name the body.
 [[nodiscard]] MeshBody read_mesh_body(const Table& mesh, const std::string& body, const Files& files,
                                       std::vector<std::string>& notes);
 

@@ -69,9 +69,10 @@ int scene_for_mesh(const NewArguments& arguments) {
   if (!has_mesh_ending(arguments.mesh)) {
     throw Error(
         ErrorKind::input,
-        fmt::format("{}: is not a mesh file; its name must end in .msh, .vtk, .vtu, .vtp, .obj or .stl. To copy an "
-                    "example, use --example NAME",
-                    printable_message(arguments.mesh.string())));
+        fmt::format(
+            "{}: is not a mesh file; its name must end in .msh, .vtk, .vtu, .vtp, .obj, .stl or .ply. To copy an "
+            "example, use --example NAME",
+            printable_message(arguments.mesh.string())));
   }
   const Mesh mesh = read_mesh(arguments.mesh);
   const MeshSummary summary = summarise(mesh);
@@ -117,7 +118,7 @@ int run(const NewArguments& arguments) {
 void add_new(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<NewArguments>();
   CLI::App* const command = app.add_subcommand("new", "Write a scene to start from, for a mesh or from an example");
-  command->add_option("MESH", arguments->mesh, "Mesh file: .msh, .vtk, .vtu, .vtp, .obj, .stl")->type_name("");
+  command->add_option("MESH", arguments->mesh, "Mesh file: .msh, .vtk, .vtu, .vtp, .obj, .stl, .ply")->type_name("");
   command->add_option("--example", arguments->example, "Copy this example; without a name, list the examples")
       ->type_name("[NAME]")
       ->expected(0, 1);

@@ -144,6 +144,35 @@ TEST_CASE("OBJ") {
   check_error("a.obj", points + "f 1 2 3\n\x01\n", "a.obj:5: | OBJ");
 }
 
+TEST_CASE("PLY") {
+  const std::vector<Sample> samples = ply_samples();
+  const std::string text = samples[0].bytes, binary = samples[1].bytes;
+  check_error("a.ply", "off\n", "a.ply:1: | begins with 'ply'");
+  check_error("a.ply", replaced(text, "format ascii 1.0\n", ""), "no 'format' | format ascii 1.0");
+  check_error("a.ply", replaced(text, "ascii", "latin1"),
+              "a.ply:2: | ascii, binary_little_endian or binary_big_endian");
+  check_error("a.ply", replaced(text, "ascii 1.0", "ascii 2.0"), "a.ply:2: | version 1.0");
+  check_error("a.ply", replaced(text, "comment", "remark"), "a.ply:3: | not a line of a PLY header");
+  check_error("a.ply", replaced(text, "element vertex 4", "element points 4"), "no element 'vertex'");
+  check_error("a.ply", replaced(text, "element vertex 4", "element vertex x"), "a.ply:4: | number of elements");
+  check_error("a.ply", replaced(text, "property double y", "property real y"), "a.ply:6: | not a type of PLY");
+  check_error("a.ply", replaced(text, "property double y", "property double Y"), "a.ply:4: | no property 'y'");
+  check_error("a.ply", replaced(text, "list uint8 int", "list float int"), "no whole number");
+  check_error("a.ply", replaced(text, "vertex_indices", "corners"), "no list 'vertex_indices'");
+  check_error("a.ply", replaced(text, "int vertex1", "int vertex3"), "'vertex1' and 'vertex2'");
+  check_error("a.ply", replaced(text, "-3 3 0 2 1", "-3 2 0 2"), "a.ply:23: | has 2 points | 3 or more");
+  check_error("a.ply", replaced(text, "-3 3 0 2 1", "-3 3 0 2 4"), "a.ply:23: | no point 4 | has 4, numbered from 0");
+  check_error("a.ply", replaced(text, "-3 3 0 2 1", "-3 3 0 2 1.5"), "a.ply:23: | whole number");
+  check_error("a.ply", replaced(text, "-3 3 0 2 1", "-3 3 0 2 0"), "a.ply:23: | corners 1 and 3 | same point");
+  check_error("a.ply", replaced(text, "1 0.0 200 0e0", "nan 0.0 200 0e0"), "a.ply:19: | coordinate | not finite");
+  check_error("a.ply", text.substr(0, text.size() - 1), "cut off");
+  check_error("a.ply", binary.substr(0, binary.size() - 1), "byte | cut off");
+  // Numbers that promise more than the file has cost nothing.
+  check_error("a.ply", replaced(binary, "vertex 4", "vertex 4000000000"), "byte | elements");
+  check_error("a.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000000\nend_header\n",
+              "a.ply:3: | without properties");
+}
+
 TEST_CASE("STL") {
   const std::string text = stl_samples()[0].bytes, binary = stl_samples()[1].bytes;
   check_error("a.stl", replaced(text, "vertex 0 1 0", "vertex 0 1"), "a.stl:6: | coordinate");

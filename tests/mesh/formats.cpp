@@ -221,6 +221,27 @@ TEST_CASE("STL: equal corners become one point") {
   CHECK(has_note(spare, "1 byte | last triangle"));
 }
 
+TEST_CASE("PLY: vertices, faces and edges, and clouds of vertices alone") {
+  const std::vector<Sample> samples = ply_samples();
+  for (const Sample& sample : {samples[0], samples[1], samples[2]}) {
+    CAPTURE(sample.name);
+    const Mesh mesh = read_text_mesh(sample.name, sample.bytes);
+    CHECK(mesh.points == std::vector<Vector3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    REQUIRE(mesh.cell_count() == 5);
+    CHECK(mesh.types[4] == CellType::line);
+    const std::vector<Face> surface = surface_of(mesh);
+    CHECK(is_closed(surface));
+    CHECK(enclosed_volume(mesh, surface) == doctest::Approx(1.0 / 6.0));
+    CHECK(has_note(mesh, "1 element | 'scan'"));
+    CHECK(mesh.notes.size() == 1);
+  }
+  const Mesh cloud = read_text_mesh("cloud.ply", samples[3].bytes);
+  CHECK(cloud.points == std::vector<Vector3>{{0, 0, 1}, {0.5, 0, 0}, {2, 3, 4}});
+  CHECK(count_of(cloud, CellType::vertex) == 3);
+  CHECK(has_note(read_text_mesh("more.ply", samples[1].bytes + "x"), "last element is not read"));
+  CHECK(has_note(read_text_mesh("more.ply", samples[0].bytes + "\n1"), "last element is not read"));
+}
+
 TEST_CASE("parts of a file that are not read are noted once, with the first names") {
   const std::string sections = "$Periodic\n0\n$EndPeriodic\n$NodeData\n1\n$EndNodeData\n$Periodic\n$EndPeriodic\n";
   const Mesh mesh = read_text_mesh("a.msh", gmsh_samples()[0].bytes + sections);

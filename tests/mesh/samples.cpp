@@ -218,10 +218,56 @@ std::vector<Sample> grid_samples() {
       {"structured.vtk", head + "STRUCTURED_GRID\nDIMENSIONS 3 2 2\nPOINTS 12 double\n" + numbers(coordinates) + "\n"}};
 }
 
+std::vector<Sample> ply_samples() {
+  const auto head = [](const std::string& format) {
+    return "ply\nformat " + format +
+           " 1.0\ncomment of a scanner\nelement vertex 4\nproperty float64 x\nproperty double y\nproperty uchar red\n"
+           "property float z\nelement scan 1\nproperty list uchar short lines\nelement face 4\nproperty char of\n"
+           "property list uint8 int vertex_indices\nelement edge 1\nproperty int vertex1\nproperty ushort vertex2\n"
+           "end_header\n";
+  };
+  const std::array<std::array<int, 3>, 4> points{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+      faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  std::string text = head("ascii"), little = head("binary_little_endian"), big = head("binary_big_endian");
+  for (const auto& [x, y, z] : points) {
+    text += fmt::format("{} {}.0 200 {}e0\n", x, y, z);
+    for (std::string* bytes : {&little, &big}) {
+      put<double>(*bytes, x, bytes == &big);
+      put<double>(*bytes, y, bytes == &big);
+      put<std::uint8_t>(*bytes, 200);
+      put<float>(*bytes, static_cast<float>(z), bytes == &big);
+    }
+  }
+  text += "2 -1 7\n";
+  for (std::string* bytes : {&little, &big}) {
+    put<std::uint8_t>(*bytes, 2);
+    for (const int line : {-1, 7}) put(*bytes, static_cast<std::int16_t>(line), bytes == &big);
+  }
+  for (const auto& corners : faces) {
+    text += fmt::format("-3 3 {} {} {}\n", corners[0], corners[1], corners[2]);
+    for (std::string* bytes : {&little, &big}) {
+      put<std::int8_t>(*bytes, -3);
+      put<std::uint8_t>(*bytes, 3);
+      for (const int corner : corners) put<std::int32_t>(*bytes, corner, bytes == &big);
+    }
+  }
+  text += "0 3";
+  for (std::string* bytes : {&little, &big}) {
+    put<std::int32_t>(*bytes, 0, bytes == &big);
+    put<std::uint16_t>(*bytes, 3, bytes == &big);
+  }
+  return {{"text.ply", text},
+          {"little.ply", little},
+          {"big.ply", big},
+          {"cloud.ply",
+           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "end_header\n0 0 1\n0.5 0 0\n2 3 4\n"}};
+}
+
 std::vector<Sample> all_samples() {
   std::vector<Sample> all;
   for (const auto& some : {gmsh_samples(), vtk_legacy_samples(), vtk_xml_samples(), vtk_piece_samples(),
-                           vtk_polygon_samples(), grid_samples(), stl_samples()}) {
+                           vtk_polygon_samples(), grid_samples(), stl_samples(), ply_samples()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   all.push_back(obj_sample());

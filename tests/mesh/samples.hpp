@@ -51,6 +51,8 @@ std::vector<Sample> vtk_polygon_samples();  // a .vtp and .vtk of vertices, line
 std::vector<Sample> grid_samples();         // structured ones, 3 x 2 x 2 points
 Sample obj_sample();
 std::vector<Sample> stl_samples();  // a tetrahedron with corners at 0 and the unit vectors
+// The same, with an edge from the corner at 0 to that on z; the last one is a cloud of three points.
+std::vector<Sample> ply_samples();
 std::vector<Sample> all_samples();
 
 const std::vector<Vector3>& body_points();  // 13, the last one unused

@@ -89,7 +89,7 @@ TEST_CASE("wrong types") {
       {replaced(2, "duration = ^2020-01-01"), {"number | is a date"}},
       {replaced(5, "name = ^7"), {"body.0.name", "text in quotes | is a number"}},
       {replaced(5, "name = ^\"\""), {"must not be empty"}},
-      {replaced(6, "mesh = ^3"), {"body.0.mesh", "table with a lattice or a file | is a number"}},
+      {replaced(6, "mesh = ^3"), {"body.0.mesh", "table with a lattice, a file or points | is a number"}},
       {replaced(6, "mesh = { lattice = ^3, spacing = 1.0 }"), {"list | is a number"}},
       {replaced(6, "mesh = { lattice = ^[3, 3], spacing = 1.0 }"), {"3 elements | has 2"}},
       {replaced(6, "mesh = { lattice = [3, ^2.5, 3], spacing = 1.0 }"),

@@ -245,6 +245,13 @@ reference = 3.0
 select = { group = ["left", "right"] }
 
 [[body]]
+name = "toy"
+mesh = { points = "cloud.csv", radius = 1.5, neighbours = 4 }
+mass = 0.5
+neuron = { type = "point_mass" }
+spring = { type = "linear", stiffness = 100.0 }
+
+[[body]]
 name = "arm"
 nodes = [[20, 0, 0], [21, 0, 0]]
 springs = [[0, 1]]

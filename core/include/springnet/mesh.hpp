@@ -52,9 +52,9 @@ struct Mesh {
 
 // Reads a mesh file. The extension selects the format: .msh (Gmsh 4.0 and 4.1, text and binary), .vtk (legacy, text and
 // binary: unstructured grid, polydata, structured grids), .vtu and .vtp (XML: text, inline binary, appended raw or
-// base64, zlib), .obj, .stl (text and binary; equal corners become one point). Points that no cell uses are left out,
-// with a note. Throws Error(input) with "file:line: what; what to do" (in binary parts the byte) if the file cannot be
-// read.
+// base64, zlib), .obj, .stl (text and binary; equal corners become one point), .ply (text and binary; vertices alone
+// become cells). Points that no cell uses are left out, with a note. Throws Error(input) with "file:line: what; what to
+// do" (in binary parts the byte) if the file cannot be read.
 [[nodiscard]] SPRINGNET_API Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading = {});
 
 // Which edges become springs.
@@ -70,6 +70,12 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;  // lower point first
 [[nodiscard]] SPRINGNET_API std::span<const std::array<std::uint8_t, 2>> edge_places(CellType type) noexcept;
 [[nodiscard]] SPRINGNET_API std::span<const std::array<std::uint8_t, 2>> face_diagonal_places(CellType type) noexcept;
 [[nodiscard]] SPRINGNET_API std::span<const std::array<std::uint8_t, 2>> space_diagonal_places(CellType type) noexcept;
+
+// Pairs of the points of a cloud: each with at most so many of the nearest others within a radius (m), of equally near
+// ones those of lower numbers; in ascending order, unique. A point may be in more pairs, as neighbour of others. Throws
+// Error(input) for points at the same place, and if thousands are within the radius of each.
+[[nodiscard]] SPRINGNET_API std::vector<Edge> near_pairs(std::span<const Vector3> points, double radius,
+                                                         std::size_t most);
 
 // Triangles of the surface: faces that belong to only one solid cell, outward; and surface cells, oriented as in the
 // file, except those that lie on a solid cell. Quadrilaterals are divided along their shorter diagonal.

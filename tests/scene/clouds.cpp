@@ -1,0 +1,100 @@
+// Bodies from clouds of points, and masses of whole bodies.
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "facts.hpp"
+#include "scenes.hpp"
+
+using namespace springnet;
+
+namespace {
+
+// Five points: a square of 1 m, and one 3 m above a corner.
+std::string cloud(const std::string& mesh, const std::string& body = "mass = 10.0\n") {
+  return simulation + "[[body]]\nname = \"toy\"\nmesh = { " + mesh + " }\n" + body +
+         "neuron = { type = \"point_mass\" }\nspring = { type = \"linear\", stiffness = 1.0 }\n";
+}
+
+std::vector<std::pair<NodeIndex, NodeIndex>> springs_of(const Scene& scene) {
+  std::vector<std::pair<NodeIndex, NodeIndex>> result;
+  for (const Spring& each : scene.network.springs()) result.emplace_back(each.first, each.second);
+  return result;
+}
+
+bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
+
+double mass_of(const Network& network) {
+  return std::accumulate(network.nodes().begin(), network.nodes().end(), 0.0,
+                         [](double sum, const Node& node) { return sum + node.mass; });
+}
+
+}  // namespace
+
+TEST_CASE("points become nodes, near ones are joined by springs") {
+  const Scene near = parse(cloud("points = \"cloud.csv\", radius = 1.1"));
+  CHECK(springs_of(near) == std::vector<std::pair<NodeIndex, NodeIndex>>{{0, 1}, {0, 3}, {1, 2}, {2, 3}});
+  CHECK(near.network.nodes()[4].position == Vector3(100, 0, 3));
+  for (const Node& node : near.network.nodes()) CHECK(node.mass == 2.0);
+  REQUIRE(near.notes.size() == 1);
+  CHECK(near.notes[0] == "Body 'toy': 1 of its 5 points have no other within 1.1 m, and so no spring.");
+  CHECK(springs_of(parse(cloud("points = \"cloud.csv\", radius = 4"))).size() == 10);
+  CHECK(springs_of(parse(cloud("points = \"cloud.csv\", radius = 4, neighbours = 1"))) ==
+        std::vector<std::pair<NodeIndex, NodeIndex>>{{0, 1}, {0, 3}, {0, 4}, {1, 2}});
+}
+
+TEST_CASE("a cloud is scaled, turned and moved as a mesh is, and the radius is that of its places then") {
+  const Scene placed =
+      parse(cloud("points = \"cloud.csv\", radius = 0.0015, scale = 0.001, origin = [0, 0, 1], rotation = { "
+                  "axis = [0, 0, 1], angle = 3.141592653589793 }"));
+  CHECK((placed.network.nodes()[2].position - Vector3(-0.101, -0.001, 1)).norm() < 1e-15);
+  CHECK(springs_of(placed).size() == 6);  // with diagonals
+}
+
+TEST_CASE("the points of a mesh file make a cloud, whose cells are not used") {
+  const Scene bar = parse(cloud("points = \"bar.msh\", radius = 25.0, neighbours = 6, start = \"bar.msh\""));
+  const Scene mesh = parse(cloud("file = \"bar.msh\""));
+  CHECK(bar.network.nodes().size() == mesh.network.nodes().size());
+  CHECK(bar.network.faces().empty());
+  CHECK(bar.network.springs().size() >= 3 * bar.network.nodes().size());
+}
+
+TEST_CASE("the mass of a body is divided as its density would be") {
+  const std::string mesh = "file = \"bar.msh\"";
+  const Network by_mass = parse(cloud(mesh, "mass = 3.0\n")).network;
+  const Network by_density = parse(cloud(mesh, "density = 7.0\n")).network;
+  CHECK(mass_of(by_mass) == doctest::Approx(3.0).epsilon(1e-13));
+  const double ratio = mass_of(by_density) / 3.0;
+  for (std::size_t k = 0; k < by_mass.nodes().size(); ++k)
+    CHECK(ratio * by_mass.nodes()[k].mass == doctest::Approx(by_density.nodes()[k].mass).epsilon(1e-13));
+  const Network sheet = parse(cloud("lattice = [3, 3, 1], spacing = 1.0", "mass = 8.0\n")).network;
+  CHECK(sheet.nodes()[4].mass == doctest::Approx(2.0));
+  CHECK(sheet.nodes()[0].mass == doctest::Approx(0.5));
+  const Network chain = parse(cloud("lattice = [4, 1, 1], spacing = 1.0", "mass = 8.0\n")).network;
+  for (const Node& node : chain.nodes()) CHECK(node.mass == doctest::Approx(2.0));
+}
+
+TEST_CASE("clouds that do not fit are refused at the place") {
+  const auto refused = [](const std::string& mesh, const std::string& body = "mass = 10.0\n") {
+    return refusal(cloud(mesh, body));
+  };
+  CHECK(contains(refused("points = \"cloud.csv\""), "test.toml:6: | body.0.mesh | 'radius' | missing"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 0"), "body.0.mesh.radius | above 0 m"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, neighbours = 0"), "neighbours | at least 1"));
+  CHECK(contains(refused("points = \"curve.csv\", radius = 1"), "body.0.mesh.points | 'x'"));
+  CHECK(contains(refused("points = \"no.ply\", radius = 1"), "no such mesh file"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, file = \"bar.msh\""), "both 'points' and 'file'"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, lattice = [2, 2, 2]"), "both 'points' and 'lattice'"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, diagonals = \"all\""),
+                 "no meaning with a cloud of points"));
+  CHECK(contains(refused("file = \"bar.msh\", radius = 1"), "no meaning with a file"));
+  CHECK(contains(refused("lattice = [2, 2, 2], spacing = 1, neighbours = 3"), "no meaning with a lattice"));
+  CHECK(
+      contains(refused("points = \"cloud.csv\", radius = 1", "density = 1000.0\n"), "points have no volume | 'mass'"));
+  CHECK(contains(refused("file = \"bar.msh\"", "density = 1000.0\nmass = 1.0\n"), "body.0.mass | 'density'"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 1", ""), "has no mass"));
+  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, start = \"bar.msh\""), "the body has 5 nodes"));
+}
