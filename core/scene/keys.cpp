@@ -192,6 +192,8 @@ constexpr std::array keys{
     Key{"input.value", "a number"},
     Key{"move", "tables [[move]]"},
     Key{"move.select", "a selection of nodes"},
+    Key{"move.tracks", "the name of a file with columns time, node, x, y, z"},
+    Key{"move.body", "the name of a body"},
     Key{"move.table", "a list of rows [t, x, y, z], s and m"},
     Key{"move.interpolation", "'smooth' or 'linear'"},
     Key{"move.sinusoid", "a table with amplitude and frequency"},

@@ -34,7 +34,10 @@ void read_connections(const Table& root, const PluginHost& plugins, const Files&
 void read_changes(const Table& root, const PluginHost& plugins, const Files& files, const std::vector<Shape>& shapes,
                   Scene& scene);
 void read_loads(const Table& root, const std::vector<Shape>& shapes, Scene& scene);  // [[force]]
-void read_surroundings(const Table& root, Scene& scene);  // [[move]], [[plane]], [[instrument]]
+// [[move]], [[plane]], [[instrument]]
+void read_surroundings(const Table& root, Scene& scene);
+// [[move]] with the key tracks: places of nodes, so it is read when these are where they start.
+void read_tracks(const Table& root, const Files& files, Network& network);
 // [[input]], after all springs and elements have their laws.
 void read_inputs(const Table& root, const PluginHost& plugins, const Files& files, Scene& scene);
 // [[change]], likewise.

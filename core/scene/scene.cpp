@@ -83,6 +83,7 @@ Scene read_scene(std::string_view text, std::string_view name, const PluginHost&
   read_inputs(root, plugins, files, result);
   read_timed_changes(root, plugins, files, result);
   read_starts(root, files, result.network);
+  read_tracks(root, files, result.network);
   read_output(root, plugins, result);
   return result;
 }

@@ -98,6 +98,8 @@ void read_obstacle(const Table& table, PlaneOrInstrument& obstacle) {
 }
 
 void read_move(const Table& table, Network& network) {
+  if (table.has("tracks")) return;
+  if (const auto body = table.find("body")) body->fail("is for 'tracks'; name the body in 'select'");
   const Value selection = table.need("select");
   const Move move{select_nodes(selection, network), read_motion(table)};
   selection.at_this_place([&] { network.add_move(move); });

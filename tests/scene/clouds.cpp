@@ -1,4 +1,5 @@
 // Bodies from clouds of points, and masses of whole bodies.
+#include <memory>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -6,8 +7,11 @@
 
 #include <doctest/doctest.h>
 
+#include <springnet/simulation.hpp>
+
 #include "facts.hpp"
 #include "scenes.hpp"
+#include "temporary_folder.hpp"
 
 using namespace springnet;
 
@@ -97,4 +101,54 @@ TEST_CASE("clouds that do not fit are refused at the place") {
   CHECK(contains(refused("file = \"bar.msh\"", "density = 1000.0\nmass = 1.0\n"), "body.0.mass | 'density'"));
   CHECK(contains(refused("points = \"cloud.csv\", radius = 1", ""), "has no mass"));
   CHECK(contains(refused("points = \"cloud.csv\", radius = 1, start = \"bar.msh\""), "the body has 5 nodes"));
+}
+
+TEST_CASE("nodes go along tracks, each its own way") {
+  const std::string moved = cloud("points = \"cloud.csv\", radius = 4") +
+                            "[[move]]\ntracks = \"tracks.csv\"\nbody = \"toy\"\ninterpolation = \"linear\"\n";
+  const Network net = parse(moved).network;
+  REQUIRE(net.moves().size() == 2);
+  CHECK(net.moves()[0].nodes == std::vector<NodeIndex>{1});
+  CHECK(net.moves()[0].motion.times == std::vector<double>{0, 0.5, 2});
+  CHECK(net.moves()[0].motion.displacements == std::vector<Vector3>{{0, 0, 0}, {0, 0, 1}, {0, 1, 1}});
+  CHECK(net.moves()[1].motion.displacements == std::vector<Vector3>{{0, 0, 0}, {0, 0, -1}});
+  CHECK(net.moves()[1].motion.interpolation == Motion::Interpolation::linear);
+  // A body that starts elsewhere goes along the same places; they are there when the time has come.
+  const std::string elsewhere =
+      cloud("points = \"cloud.csv\", radius = 4, start = \"start.csv\"") + "[[move]]\ntracks = \"tracks.csv\"\n";
+  CHECK(parse(elsewhere).network.moves()[1].motion.displacements == std::vector<Vector3>{{-1, 0, 0}, {-1, 0, -1}});
+  Simulation run(net, std::make_shared<const PluginHost>(PluginHost::with_default_search()));
+  while (run.time() < 0.5 - 1e-9) run.step();
+  CHECK((run.position(1) - Vector3(101, 0, 1)).norm() < 1e-12);
+  CHECK((run.position(4) - Vector3(100, 0, 2)).norm() < 1e-12);
+}
+
+TEST_CASE("tracks that do not fit are refused at the row") {
+  const auto refused = [](const std::string& keys, const std::string& points = "cloud.csv") {
+    return refusal(cloud("points = \"" + points + "\", radius = 4") + "[[move]]\n" + keys);
+  };
+  CHECK(contains(refused("tracks = \"cloud.csv\""), "test.toml:11:10: | move.0.tracks | 'time'"));
+  CHECK(contains(refused("tracks = \"tracks.csv\"\nselect = { body = \"toy\" }"), "select | 'tracks'"));
+  CHECK(contains(refused("tracks = \"tracks.csv\"\nbody = \"ball\""), "no body 'ball'"));
+  CHECK(contains(refused("select = { body = \"toy\" }\nbody = \"toy\""), "is for 'tracks'"));
+  const springnet::testing::TemporaryFolder folder;
+  const auto of = [&](const std::string& rows) {
+    folder.write("t.csv", "time,node,x,y,z\n" + rows);
+    const std::string text =
+        simulation +
+        "[[body]]\nname = \"a\"\nnodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1]]\nneuron = { type = "
+        "\"point_mass\", mass = 1 }\nspring = { type = \"linear\", stiffness = 1 }\n[[move]]\ntracks = \"t.csv\"\n";
+    try {
+      static_cast<void>(parse_scene(text, "test.toml", plugins(), {}, folder.path()));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(contains(of("0,2,0,0,0\n"), "t.csv:2: | no node 2, the scene has 2, numbered from 0"));
+  CHECK(contains(of("0,0.5,0,0,0\n"), "t.csv:2: | no node 0.5"));
+  CHECK(contains(of("0,1,0,0,0\n1,1,0,0,0\n1,1,0,0,1\n"), "t.csv:4: | 1 s follows 1 s"));
+  CHECK(contains(of("0,1,0,0,0\n"), "node 1 has one row"));
+  CHECK(contains(of(""), "no rows"));
+  CHECK(contains(of("0,1,0,nan,0\n"), "t.csv:2: | finite"));
 }

@@ -251,6 +251,10 @@ mass = 0.5
 neuron = { type = "point_mass" }
 spring = { type = "linear", stiffness = 100.0 }
 
+[[move]]
+tracks = "tracks.csv"
+body = "toy"
+
 [[body]]
 name = "arm"
 nodes = [[20, 0, 0], [21, 0, 0]]

@@ -73,9 +73,10 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;  // lower point first
 
 // Pairs of the points of a cloud: each with at most so many of the nearest others within a radius (m), of equally near
 // ones those of lower numbers; in ascending order, unique. A point may be in more pairs, as neighbour of others. Throws
-// Error(input) for points at the same place, and if thousands are within the radius of each.
+// Error(input) for points at the same place, and for too many pairs.
 [[nodiscard]] SPRINGNET_API std::vector<Edge> near_pairs(std::span<const Vector3> points, double radius,
                                                          std::size_t most);
+inline constexpr std::size_t most_near_pairs = 20'000'000;  // each may be counted twice
 
 // Triangles of the surface: faces that belong to only one solid cell, outward; and surface cells, oriented as in the
 // file, except those that lie on a solid cell. Quadrilaterals are divided along their shorter diagonal.
