@@ -51,6 +51,7 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
   if (experiments.empty()) throw Error(ErrorKind::input, "learning: there is no experiment");
   set_guess_weight(guess_weight);
   check_same_object(experiments);
+  check_same_gravity(experiments, learnables);
   at_a_time_ = experiments_at_a_time(experiments, *plugins, threads);
   std::vector<double> durations;
   for (const Experiment& each : experiments) {

@@ -20,6 +20,8 @@ namespace {
 
 using Kind = LearnedValues::Kind;
 
+constexpr std::size_t axes = 3;
+
 [[nodiscard]] bool is_of_nodes(Kind kind) { return member_name(kind, false) == "node"; }
 
 [[nodiscard]] ComponentKind law_of(Kind kind) {
@@ -90,6 +92,7 @@ struct OfSimulation {
   void set_loads(const LearnedValues& what, const Values& values) const {
     for (std::size_t i = 0; i < values.size(); ++i) simulation.set_load_factor(what.members[i], values[i]);
   }
+  void set_gravity(const Vector3& acceleration) const { simulation.set_gravity(acceleration); }
 };
 
 struct OfEngine {
@@ -111,20 +114,38 @@ struct OfEngine {
     for (std::size_t i = 0; i < values.size(); ++i) engine.model().loads.set_factor(what.members[i], values[i]);
     engine.model().changed();
   }
+  void set_gravity(const Vector3& acceleration) const {
+    engine.model().loads.set_gravity(acceleration);
+    engine.model().changed();
+  }
+};
+
+// Does this at its end, also after an error.
+template <class Set>
+class Back {
+ public:
+  explicit Back(Set set) : set_(std::move(set)) {}
+  ~Back() { set_(); }
+  Back(const Back&) = delete;
+  Back& operator=(const Back&) = delete;
+
+ private:
+  Set set_;
 };
 
 }  // namespace
 
-LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> learned) {
+LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> learned) : gravity_(network.gravity()) {
   const auto is_empty = [](const LearnedValues& each) { return each.members.empty(); };
   if (std::all_of(learned.begin(), learned.end(), is_empty))
     throw Error(ErrorKind::input, "learning: there is nothing to be learned");
   std::map<std::tuple<Kind, bool, std::string>, std::vector<std::uint8_t>> all_listed;
   for (LearnedValues& each : learned) {
-    const std::size_t most = each.kind == Kind::load  ? network.loads().size()
-                             : is_of_nodes(each.kind) ? network.nodes().size()
-                             : each.of_elements       ? network.elements().size()
-                                                      : network.springs().size();
+    const std::size_t most = each.kind == Kind::load      ? network.loads().size()
+                             : each.kind == Kind::gravity ? axes
+                             : is_of_nodes(each.kind)     ? network.nodes().size()
+                             : each.of_elements           ? network.elements().size()
+                                                          : network.springs().size();
     std::vector<std::uint8_t>& listed = all_listed[{each.kind, each.of_elements, each.parameter}];
     listed.resize(most);
     for (const std::uint32_t member : each.members) {
@@ -155,7 +176,7 @@ void LearnedSets::attach(Engine& engine) {
       for (std::uint32_t& each : set.places) each = layout.ordering().engine[each];
       set.values.assign(set.is_velocity() ? 0 : layout.node_count(), 0.0);
     } else if (set.is_load()) {
-      set.values.assign(engine.model().loads.count(), 0.0);
+      set.values.assign(what.kind == Kind::gravity ? axes : engine.model().loads.count(), 0.0);
     } else {
       set.values.assign(what.of_elements ? layout.elements().count() : layout.spring_count(), 0.0);
     }
@@ -189,6 +210,9 @@ Eigen::VectorXd LearnedSets::values_of(const Engine& engine) const {
           break;
         case Kind::load:
           result[next++] = model.loads.factor(member);
+          break;
+        case Kind::gravity:
+          result[next++] = model.loads.gravity()[member];
           break;
         case Kind::initial_velocity:
           for (const double* component :
@@ -245,6 +269,7 @@ void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) con
 // Target: OfSimulation or OfEngine.
 template <class Target>
 void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const {
+  Vector3 gravity = gravity_;  // components that are not learned stay
   for (const Set& set : sets_) {
     const auto [what, own] = present(set, values);
     if (what.members.empty()) continue;
@@ -264,6 +289,10 @@ void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorX
         break;
       case Kind::load:
         target.set_loads(what, own);
+        break;
+      case Kind::gravity:
+        for (std::size_t i = 0; i < own.size(); ++i) gravity[what.members[i]] = own[i];
+        target.set_gravity(gravity);
         break;
       case Kind::initial_velocity:
         break;
@@ -337,26 +366,31 @@ std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::Vector
 
 // Loads are linear in their factors, and accelerations in forces.
 Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
-                                     std::uint32_t load) {
+                                     const Set& set, std::uint32_t place) {
   Loads& loads = engine.model().loads;
-  const double factor = loads.factor(load);
   const auto n = static_cast<Eigen::Index>(host.network().node_count);
-  const auto accelerations = [&](double with) {
+  const auto accelerations = [&] {
     Eigen::VectorXd result(3 * n);
     springnet_evaluation wanted = at;
     wanted.acceleration = {result.data(), result.data() + n, result.data() + 2 * n};
-    loads.set_factor(load, with);
     host.evaluate(wanted);
     return result;
   };
-  try {
-    const Eigen::VectorXd more = accelerations(factor + 0.5), less = accelerations(factor - 0.5);
-    loads.set_factor(load, factor);
-    return more - less;
-  } catch (...) {
-    loads.set_factor(load, factor);
-    throw;
+  if (set.what.kind == Kind::gravity) {
+    const Vector3 before = loads.gravity();
+    const Back back([&] { loads.set_gravity(before); });
+    const double size = std::max(1.0, before.norm());  // differences of its own size lose no digits
+    loads.set_gravity(before + 0.5 * size * Vector3::Unit(place));
+    const Eigen::VectorXd more = accelerations();
+    loads.set_gravity(before - 0.5 * size * Vector3::Unit(place));
+    return (more - accelerations()) / size;
   }
+  const double factor = loads.factor(place);
+  const Back back([&] { loads.set_factor(place, factor); });
+  loads.set_factor(place, factor + 0.5);
+  const Eigen::VectorXd more = accelerations();
+  loads.set_factor(place, factor - 0.5);
+  return more - accelerations();
 }
 
 void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
@@ -378,7 +412,7 @@ void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet
     for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
       if (const double by = change[static_cast<Eigen::Index>(set.first + i)]; by != 0.0)
         Eigen::Map<Eigen::VectorXd>(accelerations, 3 * static_cast<Eigen::Index>(host.network().node_count)) +=
-            by * by_load(engine, host, at, set.places[i]);
+            by * by_load(engine, host, at, set, set.places[i]);
 }
 
 void LearnedSets::begin_cotangent() {
@@ -396,7 +430,7 @@ void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const spr
     for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
       set.values[set.places[i]] +=
           Eigen::Map<const Eigen::VectorXd>(weights, 3 * static_cast<Eigen::Index>(host.network().node_count))
-              .dot(by_load(engine, host, at, set.places[i]));
+              .dot(by_load(engine, host, at, set, set.places[i]));
 }
 
 Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const {

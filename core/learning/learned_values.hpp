@@ -58,7 +58,8 @@ class LearnedSets {
   void start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const;
 
  private:
-  // One LearnedValues; `values` has a number for each spring, element, node or load, or none for start velocities.
+  // One LearnedValues; `values` has a number for each spring, element, node, load or axis, or none for start
+  // velocities.
   struct Set {
     LearnedValues what;
     std::size_t first = 0;              // of its values
@@ -71,7 +72,9 @@ class LearnedSets {
       return (sums.empty() ? 0.0 : sums[member]) + factor(member) * values[places[member]];
     }
     [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
-    [[nodiscard]] bool is_load() const noexcept { return what.kind == LearnedValues::Kind::load; }
+    [[nodiscard]] bool is_load() const noexcept {
+      return what.kind == LearnedValues::Kind::load || what.kind == LearnedValues::Kind::gravity;
+    }
     [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
   };
   template <class Target>
@@ -81,10 +84,11 @@ class LearnedSets {
   [[nodiscard]] std::pair<LearnedValues, std::vector<double>> present(const Set& set,
                                                                       const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<sdk::Host::ParameterSet> host_sets();
-  // Changes of accelerations for one of a load's factor.
+  // Changes of accelerations for one of a load's factor, or of a component of gravity.
   [[nodiscard]] static Eigen::VectorXd by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
-                                               std::uint32_t load);
+                                               const Set& set, std::uint32_t place);
 
+  Vector3 gravity_;  // of the network
   std::vector<Set> sets_;
   std::size_t count_ = 0;
 };

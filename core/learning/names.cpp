@@ -23,6 +23,8 @@ std::string_view name_of(Kind kind) noexcept {
       return "velocity";
     case Kind::load:
       return "load";
+    case Kind::gravity:
+      return "gravity";
   }
   return "";
 }
@@ -30,6 +32,7 @@ std::string_view name_of(Kind kind) noexcept {
 std::string_view member_name(Kind kind, bool of_elements) noexcept {
   if (kind == Kind::mass || kind == Kind::neuron_parameter || kind == Kind::initial_velocity) return "node";
   if (kind == Kind::load) return "load";
+  if (kind == Kind::gravity) return "axis";
   return of_elements ? "element" : "spring";
 }
 
@@ -50,6 +53,7 @@ std::string name_of(const LearnedParameter& parameter) {
   name += name_of(parameter.kind);
   if (!parameter.parameter.empty()) name += "." + parameter.parameter;
   if (parameter.axis >= 0) name += std::string(".") + "xyz"[parameter.axis];
+  if (parameter.kind == Kind::gravity) name += std::string(".") + "xyz"[parameter.member];
   return name;
 }
 

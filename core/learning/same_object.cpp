@@ -1,5 +1,6 @@
 #include "learning/same_object.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 
@@ -46,6 +47,17 @@ void check_same_object(const std::vector<Experiment>& experiments) {
                       "and what is fixed may differ alone",
                       k + 1, difference));
   }
+}
+
+void check_same_gravity(const std::vector<Experiment>& experiments, const std::vector<Learnable>& learnables) {
+  const auto is_gravity = [](const Learnable& each) { return each.values.kind == LearnedValues::Kind::gravity; };
+  if (std::none_of(learnables.begin(), learnables.end(), is_gravity)) return;
+  for (std::size_t k = 1; k < experiments.size(); ++k)
+    if (experiments[k].network->gravity() != experiments.front().network->gravity())
+      throw Error(ErrorKind::input,
+                  fmt::format("learning: gravity is learned for all experiments, and experiment {} starts with another "
+                              "one than the first; give them the same, or leave gravity as it is known",
+                              k + 1));
 }
 
 }  // namespace springnet::learning

@@ -126,11 +126,10 @@ std::vector<std::uint32_t> list(const Range& range, const Takes& takes) {
 constexpr std::string_view grammar =
     "write spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME, rest_length, "
     "reference, "
-    "mass, velocity or load, then @BODY for one body alone, and :together for one value of all, or :field=DEGREE for a "
+    "mass, velocity, load or gravity, then @BODY for one body alone, and :together for one value of all, or "
+    ":field=DEGREE for a "
     "smooth "
     "field";
-
-}  // namespace
 
 // "load", or "load@2" for one, by its number.
 std::vector<std::uint32_t> loads_of(const Network& network, const Selection& selection) {
@@ -149,6 +148,23 @@ std::vector<std::uint32_t> loads_of(const Network& network, const Selection& sel
   return {number};
 }
 
+// "gravity", or "gravity@z" for one component. Together they keep their direction: components that are 0 stay so.
+std::vector<std::uint32_t> axes_of_gravity(const Network& network, const Selection& selection) {
+  const Vector3& gravity = network.gravity();
+  if (gravity.isZero())
+    refuse(selection.text, "there is no gravity; give the scene a first guess of it: [gravity] acceleration");
+  constexpr std::string_view names = "xyz";
+  if (!selection.body.empty() && (selection.body.size() > 1 || names.find(selection.body) == std::string_view::npos))
+    refuse(selection.text, "behind 'gravity@' stands x, y or z");
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t axis = 0; axis < 3; ++axis)
+    if ((selection.body.empty() || selection.body[0] == names[axis]) && !(selection.together && gravity[axis] == 0.0))
+      result.push_back(axis);
+  return result;
+}
+
+}  // namespace
+
 Learnable select_learnable(const Network& network, const PluginHost& plugins, std::string_view text) {
   const Selection selection = parse(text);
   Learnable result;
@@ -158,6 +174,12 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
   if (selection.what == "load") {
     values.kind = Kind::load;
     values.members = loads_of(network, selection);
+    return result;
+  }
+  if (selection.what == "gravity") {
+    values.kind = Kind::gravity;
+    values.members = axes_of_gravity(network, selection);
+    if (values.members.empty()) refuse(text, "this component is 0, and stays so with ':together'; leave that out");
     return result;
   }
   const Of of = members_of(network, selection);

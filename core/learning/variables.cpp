@@ -65,6 +65,7 @@ Bounds bounds_of(const Network& network, const PluginHost& plugins, const Learne
       return {0.0, infinite, true};
     case Kind::initial_velocity:
     case Kind::load:
+    case Kind::gravity:
       break;
   }
   return {};
@@ -93,8 +94,9 @@ class Variables::Builder {
     const bool is_field = what.field_degree >= 0;
     if (what.together && is_velocity)
       throw Error(ErrorKind::input, "learning: initial velocities are learned each by itself, or as a field");
-    if (is_field && what.values.kind == Kind::load)
-      throw Error(ErrorKind::input, "learning: loads are at no place of their own, and no field; learn each by itself");
+    if (is_field && (what.values.kind == Kind::load || what.values.kind == Kind::gravity))
+      throw Error(ErrorKind::input,
+                  "learning: loads and gravity are at no place of their own, and no field; learn each by itself");
     if (what.together && is_field)
       throw Error(ErrorKind::input, "learning: values are learned together, or as a field, not both");
     if (!is_field && !what.together) {

@@ -127,7 +127,8 @@ std::string unit_of(const LearnedParameter& each, const Network& network, const 
 std::vector<ViewValues> painted(const LearnedNet& learned, const Network& network, const PluginHost& plugins) {
   std::vector<ViewValues> result;
   for (const LearnedParameter& each : learned.parameters) {
-    if (each.kind == LearnedValues::Kind::load) continue;  // which have no place on the body
+    if (each.kind == LearnedValues::Kind::load || each.kind == LearnedValues::Kind::gravity)
+      continue;  // which have no place on the body
     const ViewValues::Of of = members_of(each);
     const std::string name = name_of(each), unit = unit_of(each, network, plugins);
     auto found = std::find_if(result.begin(), result.end(), [&](const ViewValues& known) {
@@ -148,6 +149,8 @@ std::vector<ViewPoint> places_of(const Observations& observations, std::vector<s
     if (each.weight.minCoeff() > 0.0) {
       result.push_back({each.time, each.value, each.node});
     } else if (each.weight.maxCoeff() > 0.0) {
+    case Kind::gravity:
+      return "m/s²";
       ++incomplete;
     }
   }

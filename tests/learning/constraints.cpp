@@ -111,6 +111,7 @@ TEST_CASE("derivatives of a body that falls on a plane, with every friction, the
         Network net = block_at({0, 0, 0.1}, {0.4, 0.2, -0.5}, 6);
         net.add_plane(floor_with(friction, {0.2, -0.1, 1.0}));
         check_derivatives(net, theta, rule, 0.5, values_of(net));
+        check_derivatives(net, theta, rule, 0.5, {{Kind::gravity, false, "", {0, 1, 2}}});
       }
 }
 

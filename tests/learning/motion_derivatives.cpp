@@ -76,7 +76,8 @@ std::vector<LearnedValues> everything(const Network& net) {
           {Kind::rest_length, true, "", all(elements)},
           {Kind::mass, false, "", moving},
           {Kind::neuron_parameter, false, "drag", all(nodes - 1)},
-          {Kind::initial_velocity, false, "", moving}};
+          {Kind::initial_velocity, false, "", moving},
+          {Kind::gravity, false, "", {0, 1, 2}}};
 }
 
 }  // namespace

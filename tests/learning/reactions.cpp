@@ -61,7 +61,8 @@ std::vector<LearnedValues> of_all(const Network& net) {
           {Kind::mass, false, "", nodes},
           {Kind::neuron_parameter, false, "drag", nodes},
           {Kind::initial_velocity, false, "", {1, 2, 3}},
-          {Kind::load, false, "", {0}}};
+          {Kind::load, false, "", {0}},
+          {Kind::gravity, false, "", {0, 1, 2}}};
 }
 
 }  // namespace

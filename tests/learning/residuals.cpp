@@ -92,7 +92,8 @@ std::vector<Learnable> of_every_kind(std::size_t springs, std::size_t nodes) {
                              {{Kind::mass, false, "", from_to(0, nodes)}},
                              {{Kind::neuron_parameter, false, "drag", from_to(0, nodes)}, true},
                              {{Kind::initial_velocity, false, "", moving}},
-                             {{Kind::load, false, "", {0}}}};
+                             {{Kind::load, false, "", {0}}},
+                             {{Kind::gravity, false, "", {2, 0}}}};
   for (const std::size_t field : {std::size_t{0}, std::size_t{2}, std::size_t{6}}) all[field].field_degree = 1;
   return all;
 }

@@ -39,8 +39,8 @@ struct Learnable {
 // "spring.stiffness", "viscosity.damping", "element.spring.stiffness", "element.viscosity.damping", "neuron.drag",
 // "rest_length", "reference", "mass", "velocity" (of nodes that are not fixed), of all or, "mass@NAME", of a body; each
 // by itself, or, "mass:together", as one, or, "mass:field=2", as a field of this degree (masses then of fixed nodes,
-// too: their weight is part of their reactions); "load" or, "load@2", one by its number. Throws Error(input) that tells
-// what there is.
+// too: their weight is part of their reactions); "load" or, "load@2", one by its number; "gravity" or, "gravity@z", one
+// component, or, "gravity:together", its strength. Throws Error(input) that tells what there is.
 [[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
                                                        std::string_view text);
 
