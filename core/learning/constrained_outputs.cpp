@@ -14,8 +14,9 @@ void ConstrainedOutputs::begin(std::size_t nodes, double c, double w) {
   blocks_.clear();
 }
 
-void ConstrainedOutputs::add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass) {
-  blocks_.push_back({std::move(nodes), std::move(derivative), std::move(by_mass)});
+void ConstrainedOutputs::add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass,
+                             Eigen::MatrixXd by_times) {
+  blocks_.push_back({std::move(nodes), std::move(derivative), std::move(by_mass), std::move(by_times)});
 }
 
 VectorXd ConstrainedOutputs::gather(const Block& block, const VectorXd& of) const {
@@ -65,6 +66,17 @@ void ConstrainedOutputs::add_masses(const VectorXd& masses, VectorXd& end_dp, Ve
     scatter(block, gather(block, end_dp) + both.head(size), end_dp);
     scatter(block, gather(block, end_dv) + both.tail(size), end_dv);
   }
+}
+
+std::optional<std::uint32_t> ConstrainedOutputs::write_times(bool at_end, VectorXd& end_dp, VectorXd& end_dv) const {
+  for (const Block& block : blocks_) {
+    if (block.by_times.size() == 0) return block.nodes.front();
+    const auto size = static_cast<Index>(3 * block.nodes.size());
+    const VectorXd both = block.by_times.col(at_end ? 1 : 0);
+    scatter(block, both.head(size), end_dp);
+    scatter(block, both.tail(size), end_dv);
+  }
+  return std::nullopt;
 }
 
 void ConstrainedOutputs::to_start(const VectorXd& end_dp, const VectorXd& end_dv, VectorXd& dp, VectorXd& dv) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,8 +16,10 @@ class ConstrainedOutputs {
   // All nodes are free. c, w: s, of the step.
   void begin(std::size_t nodes, double c, double w);
   // derivative: of (P, U) of these nodes by (p, v, V), [6 node][9 node]; x y z of the first node, then of the next.
-  // by_mass: the same by the masses of these nodes, if they matter.
-  void add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass = {});
+  // by_mass: the same by the masses of these nodes, if they matter. by_times: by the times at which the step begins and
+  // ends, [6 node][2]; if they are not known, none.
+  void add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass = {},
+           Eigen::MatrixXd by_times = {});
   [[nodiscard]] bool any() const noexcept { return !blocks_.empty(); }
 
   // What follows from the start alone, and what from V: (dP, dU) of (dp, dv), and of dV.
@@ -25,6 +28,9 @@ class ConstrainedOutputs {
   void from_free(const Eigen::VectorXd& free, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
   // Adds what follows from changes of masses, [node] kg.
   void add_masses(const Eigen::VectorXd& masses, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
+  // Of constrained nodes: writes (dP, dU) by the time at the start, or the end. Returns a node whose is not known.
+  [[nodiscard]] std::optional<std::uint32_t> write_times(bool at_end, Eigen::VectorXd& end_dp,
+                                                         Eigen::VectorXd& end_dv) const;
   // Their transposes: of weights of (P, U).
   void to_start(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv, Eigen::VectorXd& dp,
                 Eigen::VectorXd& dv) const;
@@ -34,7 +40,7 @@ class ConstrainedOutputs {
  private:
   struct Block {
     std::vector<std::uint32_t> nodes;
-    Eigen::MatrixXd derivative, by_mass;
+    Eigen::MatrixXd derivative, by_mass, by_times;
   };
   [[nodiscard]] Eigen::VectorXd gather(const Block& block, const Eigen::VectorXd& of) const;
   void scatter(const Block& block, const Eigen::Ref<const Eigen::VectorXd>& from, Eigen::VectorXd& to) const;

@@ -7,8 +7,8 @@ namespace springnet::learning {
 
 namespace {
 
-std::map<std::uint32_t, Touch> contacts_of(const Simulation& simulation) {
-  std::map<std::uint32_t, Touch> result;
+Touches contacts_of(const Simulation& simulation) {
+  Touches result;
   if (simulation.surface_count() == 0) return result;
   const std::vector<std::uint32_t>& number = simulation.columns();
   for (std::uint32_t node = 0; node < number.size(); ++node) {
@@ -30,10 +30,23 @@ void add_surface(Touch& touch, std::int32_t surface) {
 
 }  // namespace
 
+Touch touch_of(const Touches& touches, std::uint32_t node) {
+  const auto found = touches.find(node);
+  return found == touches.end() ? Touch{} : found->second;
+}
+
+Touches contacts_of(const Contact& contact, std::uint32_t nodes) {
+  Touches result;
+  for (std::uint32_t k = 0; k < nodes; ++k)
+    if (contact.fixed()[k] == 0 && contact.committed(k).surface >= 0) result[k] = contact.committed(k);
+  return result;
+}
+
 void ContactHistory::begin(const Simulation& simulation) {
   now_ = contacts_of(simulation);
   state_ = 0;
   changes_.clear();
+  slips_.clear();
   events_ = simulation.events().size();
 }
 
@@ -87,7 +100,7 @@ void ContactHistory::record(const Simulation& simulation, std::size_t step) {
     for (const std::int32_t surface : touched[node])
       if (surface == event.surface) bounced[node].push_back(surface);
   }
-  const std::map<std::uint32_t, Touch> after = contacts_of(simulation);
+  const Touches after = contacts_of(simulation);
   std::vector<Change> changes;
   const auto add = [&](std::uint32_t node, const Touch& before, const Touch& committed) {
     Change change{{node, before, committed, false}, committed};
@@ -110,6 +123,47 @@ void ContactHistory::record(const Simulation& simulation, std::size_t step) {
   move_to(step);
 }
 
+// Contacts may have been settled where the step began, as after a cut.
+void ContactHistory::keep(const Simulation& simulation, std::size_t step, const Touches& within) {
+  events_ = simulation.events().size();
+  move_to(step - 1);
+  Touches all = now_;
+  all.insert(within.begin(), within.end());
+  for (const auto& [node, unused] : all) {
+    const Touch before = touch_of(now_, node), touch = touch_of(within, node);
+    if (before == touch) continue;
+    if (step > 1) {
+      std::vector<Change>& known = changes_[step - 1];
+      const auto own =
+          std::find_if(known.begin(), known.end(), [k = node](const Change& each) { return each.contact.node == k; });
+      if (own != known.end())
+        own->after = touch;
+      else
+        known.push_back({{node, before, before, false}, touch});
+    }
+    set(node, touch);
+  }
+  move_to(step);
+}
+
+void ContactHistory::change(std::size_t step, std::uint32_t node, const Touch& after) {
+  move_to(step);
+  const Touch before = touch_of(now_, node);
+  if (before == after) return;
+  changes_[step].push_back({{node, before, before, false}, after});
+  set(node, after);
+}
+
+void ContactHistory::set_slips(std::size_t state, std::vector<Slipping> slips) {
+  if (!slips.empty()) slips_[state] = std::move(slips);
+}
+
+const std::vector<Slipping>& ContactHistory::slips_at(std::size_t state) const {
+  static const std::vector<Slipping> none;
+  const auto found = slips_.find(state);
+  return found == slips_.end() ? none : found->second;
+}
+
 void ContactHistory::set(std::uint32_t node, const Touch& touch) {
   if (touch.surface < 0)
     now_.erase(node);
@@ -130,7 +184,7 @@ void ContactHistory::move_to(std::size_t state) {
   }
 }
 
-const std::map<std::uint32_t, Touch>& ContactHistory::at(std::size_t state) {
+const Touches& ContactHistory::at(std::size_t state) {
   move_to(state);
   return now_;
 }

@@ -5,46 +5,12 @@
 
 #include <Eigen/LU>
 
-#include <springnet/sdk/dual.hpp>
-
 #include "constraints/friction.hpp"
-#include "network/invariant_values.hpp"
+#include "learning/surface_numbers.hpp"
 
 namespace springnet::learning {
 
 namespace {
-
-// By p, v, V, and by P, on which normals depend.
-constexpr std::size_t variables = 12;
-using Number = sdk::Dual<variables>;
-using Vector = invariants::Triple<Number>;
-using Changes = Eigen::Matrix<double, 3, variables>;
-
-[[nodiscard]] Vector3 value_of(const Vector& x) { return {x.x.value, x.y.value, x.z.value}; }
-[[nodiscard]] Changes changes_of(const Vector& x) {
-  Changes result;
-  for (std::size_t k = 0; k < variables; ++k)
-    result.col(static_cast<Eigen::Index>(k)) << x.x.derivatives[k], x.y.derivatives[k], x.z.derivatives[k];
-  return result;
-}
-[[nodiscard]] Number number_of(double value, const Eigen::Matrix<double, 1, variables>& changes) {
-  Number result(value);
-  for (std::size_t k = 0; k < variables; ++k) result.derivatives[k] = changes[static_cast<Eigen::Index>(k)];
-  return result;
-}
-[[nodiscard]] Vector vector_of(const Vector3& value, const Changes& changes) {
-  return {number_of(value[0], changes.row(0)), number_of(value[1], changes.row(1)),
-          number_of(value[2], changes.row(2))};
-}
-[[nodiscard]] Vector variable(const Vector3& value, std::size_t first) {
-  return {Number::variable(value[0], first), Number::variable(value[1], first + 1),
-          Number::variable(value[2], first + 2)};
-}
-[[nodiscard]] Vector times(double factor, const Vector& x) { return Number(factor) * x; }
-[[nodiscard]] Vector times(const Matrix3& matrix, const Vector& x) {
-  return vector_of(matrix * value_of(x), matrix * changes_of(x));
-}
-[[nodiscard]] Number length(const Vector& x) { return sqrt(dot(x, x)); }
 
 struct Output {
   Vector position, velocity;
@@ -59,10 +25,16 @@ class NodeOnSurfaces {
         step_(step),
         how_(how),
         node_(node),
-        p_(variable(node.p, 0)),
-        v_(variable(node.v, 3)),
-        free_(variable(node.free, 6)),
-        end_(variable(node.P, 9)) {}
+        at_start_(contact, step.start, by_t0),
+        at_end_(contact, step.end, by_t1),
+        h_(step.h),
+        p_(variable(node.p, by_p)),
+        v_(variable(node.v, by_v)),
+        free_(variable(node.free, by_free)),
+        end_(variable(node.P, by_end)) {
+    h_.derivatives[by_t0] = -1.0;
+    h_.derivatives[by_t1] = 1.0;
+  }
 
   [[nodiscard]] std::optional<OutputDerivative> derivative() const {
     const Touch& touch = how_.touch;
@@ -84,35 +56,35 @@ class NodeOnSurfaces {
   [[nodiscard]] const Friction& friction(std::int32_t surface) const {
     return contact_.obstacles()[index(surface)].friction();
   }
-  [[nodiscard]] Number gap(std::int32_t j, const Vector& x) const {
-    const Vector3 place = value_of(x);
-    return number_of(contact_.gap(step_.end, index(j), place),
-                     contact_.normal(step_.end, index(j), place).transpose() * changes_of(x));
-  }
-  [[nodiscard]] Vector normal(std::int32_t j, const Vector& x) const {
-    const Obstacle& obstacle = contact_.obstacles()[index(j)];
-    const Pose& pose = step_.end.poses[index(j)];
-    const Vector3 place = value_of(x);
-    return vector_of(obstacle.normal(pose, place), obstacle.curvature(pose, place) * changes_of(x));
-  }
-  [[nodiscard]] Vector onto(std::int32_t j, const Vector& x) const { return x - gap(j, x) * normal(j, x); }
-  [[nodiscard]] static Vector velocity(const Placement& at, std::int32_t j, const Vector& x) {
-    const Pose& pose = at.poses[index(j)];
-    Changes changes = Changes::Zero();
-    const Changes own = changes_of(x);
-    for (Eigen::Index k = 0; pose.turns && k < own.cols(); ++k) changes.col(k) = pose.spin.cross(Vector3(own.col(k)));
-    return vector_of(pose.velocity_at(value_of(x)), changes);
-  }
+  [[nodiscard]] Number gap(std::int32_t j, const Vector& x) const { return at_end_.gap(j, x); }
+  [[nodiscard]] Vector normal(std::int32_t j, const Vector& x) const { return at_end_.normal(j, x); }
+  [[nodiscard]] Vector onto(std::int32_t j, const Vector& x) const { return at_end_.onto(j, x); }
   [[nodiscard]] Matrix3 turned(std::int32_t j) const {
     const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
     return after.turns ? Matrix3(after.rotation * before.rotation.transpose()) : Matrix3(Matrix3::Identity());
+  }
+  // A vector at a node, turned with the surface over the step.
+  [[nodiscard]] Vector turned(std::int32_t j, const Vector& x) const {
+    const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
+    if (!after.turns) return x;
+    const Matrix3 turn = turned(j);
+    const Vector3 start = value_of(x), end = turn * start;
+    Changes changes = turn * changes_of(x);
+    changes.col(by_t1) += after.spin.cross(end);
+    changes.col(by_t0) -= turn * before.spin.cross(start);
+    return vector_of(end, changes);
   }
   // See Contact::carried.
   [[nodiscard]] Vector carried(std::int32_t j, const Vector& x) const {
     const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
     if (!contact_.obstacles()[index(j)].moves()) return x;
-    if (!after.turns) return vector_of(value_of(x) + (after.displacement - before.displacement), changes_of(x));
-    return vector_of(after.from_start(before.to_start(value_of(x))), turned(j) * changes_of(x));
+    const Vector3 start = value_of(x), end = after.turns ? after.from_start(before.to_start(start))
+                                                         : start + (after.displacement - before.displacement);
+    const Matrix3 turn = turned(j);
+    Changes changes = turn * changes_of(x);
+    changes.col(by_t1) += after.velocity_at(end);
+    changes.col(by_t0) -= turn * before.velocity_at(start);
+    return vector_of(end, changes);
   }
   [[nodiscard]] std::int32_t rougher() const {
     const Touch& touch = how_.touch;
@@ -121,15 +93,15 @@ class NodeOnSurfaces {
   }
   // The slip at the start with respect to a surface that carries the node.
   [[nodiscard]] Vector slipped(std::int32_t carrier) const {
-    return times(turned(carrier), v_ - velocity(step_.start, carrier, p_));
+    return turned(carrier, v_ - at_start_.velocity(carrier, p_));
   }
   [[nodiscard]] Vector moved(const Vector& from, const Vector& rate_before, const Vector& rate) const {
-    return from + times(step_.h * (1.0 - step_.theta), rate_before) + times(step_.h * step_.theta, rate);
+    return from + ((1.0 - step_.theta) * h_) * rate_before + (step_.theta * h_) * rate;
   }
 
   // ---- ways to end a step ----
   [[nodiscard]] Output carried_by(std::int32_t surface) const {
-    return {carried(surface, p_), velocity(step_.end, surface, end_)};
+    return {carried(surface, p_), at_end_.velocity(surface, end_)};
   }
 
   // Held where the path of its start velocity meets the surface, see Contact::meet.
@@ -137,9 +109,9 @@ class NodeOnSurfaces {
     const std::int32_t j = how_.touch.surface;
     const Obstacle& obstacle = contact_.obstacles()[index(j)];
     const Pose &before = step_.start.poses[index(j)], &after = step_.end.poses[index(j)];
-    const Vector end = p_ + times(step_.h, v_);
+    const Vector end = p_ + h_ * v_;
     const double share = obstacle.first_touch(before, node_.p, after, value_of(end)).value_or(2.0);
-    Output result{{}, velocity(step_.end, j, end_)};
+    Output result{{}, at_end_.velocity(j, end_)};
     if (!(share > 0.0)) {
       result.position = onto(j, carried(j, p_));
     } else if (share > 1.0) {
@@ -148,8 +120,10 @@ class NodeOnSurfaces {
       // In the surface's frame the gap vanishes at a + share (b - a).
       const Matrix3 a_turn = before.turns ? Matrix3(before.rotation.transpose()) : Matrix3(Matrix3::Identity());
       const Matrix3 b_turn = after.turns ? Matrix3(after.rotation.transpose()) : Matrix3(Matrix3::Identity());
-      const Vector a = vector_of(before.to_start(node_.p), a_turn * changes_of(p_));
-      const Vector b = vector_of(after.to_start(value_of(end)), b_turn * changes_of(end));
+      Changes by_a = a_turn * changes_of(p_), by_b = b_turn * changes_of(end);
+      by_a.col(by_t0) -= a_turn * before.velocity_at(node_.p);
+      by_b.col(by_t1) -= b_turn * after.velocity_at(value_of(end));
+      const Vector a = vector_of(before.to_start(node_.p), by_a), b = vector_of(after.to_start(value_of(end)), by_b);
       const Vector3 way = value_of(b - a), there = value_of(a) + share * way;
       const Vector3 n = b_turn * obstacle.normal(after, after.from_start(there));
       const Changes changes = changes_of(a) + share * changes_of(b - a);
@@ -158,7 +132,10 @@ class NodeOnSurfaces {
         result.position = p_ + at * (end - p_);
       } else {
         const Vector place = a + at * (b - a);
-        result.position = onto(j, vector_of(after.from_start(value_of(place)), b_turn.transpose() * changes_of(place)));
+        const Vector3 met = after.from_start(value_of(place));
+        Changes by_place = b_turn.transpose() * changes_of(place);
+        by_place.col(by_t1) += after.velocity_at(met);
+        result.position = onto(j, vector_of(met, by_place));
       }
     }
     return result;
@@ -167,8 +144,8 @@ class NodeOnSurfaces {
   // See Contact::rebound; the node has approached fast enough, or it would not have bounced.
   [[nodiscard]] Number rebound(std::int32_t j) const {
     if (!how_.bounces || how_.before.has(j)) return {};
-    const Vector place = onto(j, p_ + times(step_.h, v_));
-    return -contact_.obstacles()[index(j)].restitution() * dot(normal(j, place), v_ - velocity(step_.end, j, place));
+    const Vector place = onto(j, p_ + h_ * v_);
+    return -contact_.obstacles()[index(j)].restitution() * dot(normal(j, place), v_ - at_end_.velocity(j, place));
   }
 
   // See Contact::slide_along.
@@ -176,13 +153,15 @@ class NodeOnSurfaces {
     const std::int32_t j = how_.touch.surface;
     const Friction& rough = friction(j);
     const bool is_carried = rough.kind != Friction::Kind::none;
-    const Vector w = velocity(step_.end, j, end_), n = normal(j, end_);
+    const Vector w = at_end_.velocity(j, end_), n = normal(j, end_);
     const Vector bounce = rebound(j) * n;
     const Vector relative = free_ - w - bounce;
     Vector left;  // relative velocity; none: it sticks
     const Number into = -dot(n, relative);
     if (rough.kind == Friction::Kind::none) {
       left = relative + into * n;
+    } else if (rough.kind == Friction::Kind::coulomb && how_.kept) {
+      left = slips_on(relative, n, w);
     } else if (rough.kind == Friction::Kind::coulomb) {
       const Vector along = relative + into * n;
       const Number slip = length(along);
@@ -197,15 +176,28 @@ class NodeOnSurfaces {
     return {onto(j, moved(from, before, is_carried ? rate : w + rate)), w + rate};
   }
 
+  // A slip that is kept passes through zero: where friction would reverse it, friction has the direction that the slip
+  // had, and that the output shows.
+  [[nodiscard]] Vector slips_on(const Vector& relative, const Vector& n, const Vector& w) const {
+    const Number into = -dot(n, relative), limit = friction(how_.touch.surface).coefficient * into;
+    const Vector along = relative + into * n;
+    if (!(into.value > 0.0)) return along;
+    const Number slip = length(along);
+    const Vector3 takes = value_of(along) - (node_.U - value_of(w));
+    const Vector against = slip.value > 0.0 ? (1.0 / slip) * along : Vector{};
+    const bool reverses = !(takes.dot(value_of(against)) > 0.5 * takes.norm());
+    return along - limit * (reverses && takes.norm() > 0.0 ? constant(takes.normalized()) : against);
+  }
+
   // See Contact::slide_along_edge.
   [[nodiscard]] Output along_edge() const {
     const std::int32_t first = how_.touch.surface, second = how_.touch.second, carrier = rougher();
     const double rough[] = {coefficient_of(friction(first)), coefficient_of(friction(second))};
     const Vector a = normal(first, end_), b = normal(second, end_), c = cross(a, b);
     // Velocity of the edge.
-    const Number rates[] = {dot(a, velocity(step_.end, first, end_)),
-                            dot(b, velocity(step_.end, second, end_)) + rebound(second),
-                            dot(c, velocity(step_.end, carrier, end_))};
+    const Number rates[] = {dot(a, at_end_.velocity(first, end_)),
+                            dot(b, at_end_.velocity(second, end_)) + rebound(second),
+                            dot(c, at_end_.velocity(carrier, end_))};
     const Vector bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
     const Number volume = dot(a, bc);
     const Vector w = (rates[0] / volume) * bc + (rates[1] / volume) * ca + (rates[2] / volume) * ab;
@@ -246,7 +238,11 @@ class NodeOnSurfaces {
     const bool fits = std::all_of(surfaces.begin(), surfaces.end(), [&](std::int32_t j) {
       return std::abs(contact_.gap(step_.end, index(j), node_.P)) <= tolerance() * step_.h + 1e-10 * node_.P.norm();
     });
-    return fits ? std::optional<OutputDerivative>(OutputDerivative::Zero()) : std::nullopt;
+    if (!fits) return std::nullopt;
+    OutputDerivative result;
+    result.has_times = std::none_of(surfaces.begin(), surfaces.end(),
+                                    [&](std::int32_t j) { return contact_.obstacles()[index(j)].moves(); });
+    return result;
   }
 
   // m/s: steps have settled to the tolerance of the integrator only.
@@ -262,10 +258,13 @@ class NodeOnSurfaces {
         !((value_of(output.position) - node_.P).norm() <= step_.h * allowed + rounding * node_.P.norm()))
       return std::nullopt;
     const Changes position = changes_of(output.position), velocity = changes_of(output.velocity);
-    const Matrix3 own = Matrix3::Identity() - position.rightCols<3>();
+    const Matrix3 own = Matrix3::Identity() - position.middleCols<3>(by_end);
+    const Matrix3 by_place = own.inverse(), turns = velocity.middleCols<3>(by_end);
     OutputDerivative result;
-    result.topRows<3>() = own.inverse() * position.leftCols<9>();
-    result.bottomRows<3>() = velocity.leftCols<9>() + velocity.rightCols<3>() * result.topRows<3>();
+    result.by_state.topRows<3>() = by_place * position.leftCols<9>();
+    result.by_state.bottomRows<3>() = velocity.leftCols<9>() + turns * result.by_state.topRows<3>();
+    result.by_times.topRows<3>() = by_place * position.rightCols<2>();
+    result.by_times.bottomRows<3>() = velocity.rightCols<2>() + turns * result.by_times.topRows<3>();
     return result;
   }
 
@@ -273,6 +272,8 @@ class NodeOnSurfaces {
   const StepPlacement& step_;
   const StepContact& how_;
   const NodeOverStep& node_;
+  SurfaceNumbers at_start_, at_end_;
+  Number h_;  // s
   Vector p_, v_, free_, end_;
 };
 

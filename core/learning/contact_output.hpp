@@ -16,6 +16,7 @@ struct StepContact {
   std::uint32_t node = 0;  // the engine's number
   Touch before, touch;     // committed at the start of the step; within it
   bool bounces = false;    // off those surfaces of `touch` that are new
+  bool kept = false;       // no sweep decided: a slip goes on whatever the forces
 };
 
 // A node over a step from (p, v) to (P, U); m, m/s.
@@ -30,8 +31,11 @@ struct StepPlacement {
   double h, theta;  // s, 1
 };
 
-// Of (P, U) by (p, v, V).
-using OutputDerivative = Eigen::Matrix<double, 6, 9>;
+struct OutputDerivative {
+  Eigen::Matrix<double, 6, 9> by_state = Eigen::Matrix<double, 6, 9>::Zero();  // of (P, U) by (p, v, V)
+  Eigen::Matrix<double, 6, 2> by_times = Eigen::Matrix<double, 6, 2>::Zero();  // by the times of start and end
+  bool has_times = true;                                                       // else these are not known
+};
 
 // None if no formula gives (P, U): the contact is of a kind that is not differentiated.
 [[nodiscard]] std::optional<OutputDerivative> output_derivative(const Contact& contact, const StepPlacement& step,

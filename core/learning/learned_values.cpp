@@ -433,6 +433,26 @@ void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const spr
               .dot(by_load(engine, host, at, set, set.places[i]));
 }
 
+Eigen::VectorXd LearnedSets::event_gradient(const sdk::Host& host, const springnet_evaluation& at, std::uint32_t event,
+                                            double* by_position, double* by_velocity, double& by_time) {
+  std::vector<std::vector<double>> sums;
+  for (Set& set : sets_) {
+    sums.push_back(set.values);
+    std::fill(set.values.begin(), set.values.end(), 0.0);
+  }
+  by_time = host.event_derivative(at, event, by_position, by_velocity, host_sets());
+  const Eigen::VectorXd result =
+      cotangent(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(host.network().node_count)));
+  for (std::size_t i = 0; i < sums.size(); ++i) sets_[i].values = std::move(sums[i]);
+  return result;
+}
+
+void LearnedSets::add_gradient(const Eigen::VectorXd& by_values) {
+  for (Set& set : sets_)
+    for (std::size_t i = 0; !set.is_velocity() && i < set.places.size(); ++i)
+      set.values[set.places[i]] += by_values[static_cast<Eigen::Index>(set.first + i)];
+}
+
 Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const {
   Eigen::VectorXd result(static_cast<Eigen::Index>(count_));
   const Eigen::Index nodes = by_velocity.size() / 3;

@@ -47,6 +47,13 @@ class LearnedSets {
   void begin_cotangent();
   void add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
                      double* internal_weights = nullptr);
+  // Derivatives by the values of the value of an event; of springs and elements that may break. See
+  // sdk::Host::event_derivative for the others.
+  [[nodiscard]] Eigen::VectorXd event_gradient(const sdk::Host& host, const springnet_evaluation& at,
+                                               std::uint32_t event, double* by_position, double* by_velocity,
+                                               double& by_time);
+  // Adds derivatives by the values, but for start velocities, to the sums.
+  void add_gradient(const Eigen::VectorXd& by_values);
   // The sums, with derivatives by the start velocities (the engine's order, x of all nodes first).
   [[nodiscard]] Eigen::VectorXd cotangent(const Eigen::VectorXd& by_velocity) const;
   // Of masses, [node] kg; and adds derivatives by masses ([node]) to the sums.

@@ -1,11 +1,14 @@
 // A motion with its derivatives: what MotionDerivatives consists of. Forwards in motion_forwards.cpp, backwards in
-// motion_backwards.cpp.
+// motion_backwards.cpp, parts of divided steps in motion_parts.cpp.
 #pragma once
 
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,12 +17,15 @@
 #include <springnet/sdk/host.hpp>
 
 #include "learning/constrained_outputs.hpp"
+#include "learning/event_condition.hpp"
+#include "learning/event_jump.hpp"
 #include "learning/internal_states.hpp"
 #include "learning/learned_values.hpp"
 #include "learning/motion_checks.hpp"
 #include "learning/removals.hpp"
 #include "learning/scene_changes.hpp"
 #include "learning/step_constraints.hpp"
+#include "learning/step_parts.hpp"
 #include "learning/step_solver.hpp"
 #include "learning/trajectory.hpp"
 #include "simulation/engine.hpp"
@@ -30,18 +36,38 @@ namespace springnet {
 // Vectors of all nodes have the engine's order, x of all nodes, then y, then z.
 struct MotionDerivatives::Impl {
   using State = learning::Trajectory::State;
-  // A step at the state where it ends, and how its derivatives are weighed.
+  // A step, or a part of one that is divided, at the state where it ends, and how its derivatives are weighed.
   struct Step {
-    std::size_t number;  // of the state at its end
+    std::size_t number;  // counts parts
     const State &from, &until;
-    double w, c;  // s
+    double w, c;                                    // s
+    bool kept = false;                              // contacts, which no sweep has decided
+    bool starts_at_event = false;                   // at a time that changes
+    bool is_instant = false;                        // between events at the same time
+    const learning::LocatedEvent* event = nullptr;  // which determines its end; null: none does
+  };
+  // Of a time step, with the states within it.
+  struct Parts {
+    std::deque<State> states;
+    std::vector<Step> steps;
+  };
+  // How V and the outputs of a step change with a time.
+  struct ByTime {
+    Eigen::VectorXd free, p, v;
+  };
+  struct ByTimes {
+    ByTime start, end;
   };
 
   Impl(const std::shared_ptr<const Network>& net, const std::shared_ptr<const PluginHost>& plugins,
        const SimulationOptions& options, double duration, std::vector<LearnedValues> values)
       : learned(*net, std::move(values)),
         simulation(net, plugins, options),
-        trajectory(simulation, [this](State& to) { record(to); }),
+        locates(learning::option(options.integrator, "events", 0.0) != 0.0),
+        recorder(locates, [this](const learning::PartRecorder::Committed& committed) { take_part(committed); }),
+        trajectory(
+            simulation, [this](State& to) { record(to); }, recorder),
+        time_step(options.time_step),
         engine(net->without_constraints(), *plugins, options),
         table(make_host_table(engine)),
         host(table),
@@ -89,10 +115,17 @@ struct MotionDerivatives::Impl {
     result.velocity = {at.v.data(), at.v.data() + nodes, at.v.data() + 2 * nodes};
     return result;
   }
-  [[nodiscard]] Step step(std::size_t k) {
-    const auto [from, until] = trajectory.step(k);
+  [[nodiscard]] Parts parts_of(std::size_t k);
+  [[nodiscard]] Step part(std::size_t number, const State& from, const State& until) const {
     const double h = until.time - from.time;
-    return {k, from, until, theta * h, (1.0 - theta) * h};
+    return {number, from, until, theta * h, (1.0 - theta) * h, locates && decided.count(number) == 0};
+  }
+  // With the host's step begun, m/s^2.
+  [[nodiscard]] Eigen::VectorXd accelerations(const sdk::Host& of, springnet_evaluation where) const {
+    Eigen::VectorXd result(size());
+    where.acceleration = {result.data(), result.data() + nodes, result.data() + 2 * nodes};
+    of.evaluate(where);
+    return result;
   }
   // Of nodes whose motion is given nothing depends on what is learned.
   void clear_pinned(Eigen::VectorXd& values) const {
@@ -128,6 +161,11 @@ struct MotionDerivatives::Impl {
     return trajectory.at(state);
   }
   void begin(const Eigen::VectorXd& values);
+  void begin_parts() {
+    parts_before.clear();
+    part_count = 0;
+    decided.clear();
+  }
   void run(const Eigen::VectorXd& values);
   void record(State& to) const;
   [[nodiscard]] State present() const {
@@ -145,9 +183,24 @@ struct MotionDerivatives::Impl {
   void begin_step(const Step& step);
   void step_forwards(const Step& step);
   void add_internal_at_start(const sdk::Host& of, const springnet_evaluation& start, double weight);
-  void step_backwards(std::size_t k);
+  void step_backwards(const Step& own);
+  // Parts of divided steps: see motion_parts.cpp.
+  void take_part(const learning::PartRecorder::Committed& committed);
+  [[nodiscard]] std::size_t take_contacts(const learning::PartRecorder::Committed& committed, std::size_t first);
+  void part_forwards(const Step& step);
+  void part_backwards(const Step& step);
+  void event_backwards(const Step& step);
+  void pass_instant(const Step& step);
+  [[nodiscard]] ByTimes find_times(const Step& step);
+  [[nodiscard]] learning::EventCondition condition_of(const Step& step);
+  [[nodiscard]] learning::NodeJump jump_of(const Step& step);
+  // How fast the value of an event changes with the time of it.
+  [[nodiscard]] double rate_of(const Step& step, const learning::EventCondition& condition, const Eigen::VectorXd& p,
+                               const Eigen::VectorXd& v) const;
+  [[noreturn]] void refuse(const learning::LocatedEvent& event, double time, const std::string& what) const;
+  [[noreturn]] void refuse(const Step& step, const std::string& what) const;
   void add_start(const sdk::Host& of);
-  void start_backwards(std::size_t k);
+  void start_backwards(const State& at, std::size_t number, double until);
   void guess_backwards();
   void set_engines(const Eigen::VectorXd& values);
   void set_for_step(std::size_t until);
@@ -166,7 +219,10 @@ struct MotionDerivatives::Impl {
 
   learning::LearnedSets learned;
   Simulation simulation;
+  bool locates;  // steps are divided where events are located
+  learning::PartRecorder recorder;
   learning::Trajectory trajectory;  // of the last run
+  double time_step;                 // s
   // Answers for derivatives, at the states of the last run, of the net without constraints; which, null: there are
   // none, are by themselves.
   Engine engine;
@@ -192,8 +248,17 @@ struct MotionDerivatives::Impl {
   Eigen::VectorXd weights;                  // of the accelerations at a state
   std::deque<Eigen::VectorXd> solved;       // backwards: of the last steps
   Eigen::VectorXd pending;                  // those that the step after a state has for its start; empty: none
+  double pending_until = 0.0;               // s: the end of that step
   Eigen::MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
   Eigen::MatrixXd dps_before, dvs_before;   // at the start of the step made last
+  // Parts: how many there are before each step that was made, and in all; those whose contacts sweeps have decided.
+  std::vector<std::size_t> parts_before;
+  std::size_t part_count = 0;
+  std::set<std::size_t> decided;
+  // Changes of the time at which a part starts, those of its start and end while it is passed (empty: these stay), and
+  // backwards the derivative of the loss by it, s.
+  Eigen::RowVectorXd moved, start_moves, end_moves;
+  double by_moved = 0.0;
 };
 
 }  // namespace springnet

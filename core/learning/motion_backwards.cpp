@@ -20,9 +20,10 @@ void MotionDerivatives::Impl::add_start(const sdk::Host& of) {
   pending.resize(0);
 }
 
-void MotionDerivatives::Impl::start_backwards(std::size_t k) {
-  const springnet_evaluation start = evaluation(trajectory.at(k));
-  const sdk::Host& of = host_at_start(k, trajectory.time(k), trajectory.time(k + 1));
+// at: of the step that ends at `until`, s, and that begins where the part of this number ends.
+void MotionDerivatives::Impl::start_backwards(const State& at, std::size_t number, double until) {
+  const springnet_evaluation start = evaluation(at);
+  const sdk::Host& of = host_at_start(number, at.time, until);
   of.linearise(start);
   if (internal.any()) {
     work = pending;
@@ -46,17 +47,19 @@ void MotionDerivatives::Impl::guess_backwards() {
     solution = solved.size() == 1 ? solved.back() : VectorXd(2.0 * solved.back() - solved.front());
 }
 
-void MotionDerivatives::Impl::step_backwards(std::size_t k) {
+void MotionDerivatives::Impl::step_backwards(const Step& own) {
   // The accelerations at the start of the next step may have other loads, states, springs or contacts than those at the
   // end of this one.
-  if (pending.size() > 0 && (!same_at_both || removals.any_at(k) || scene_changes.any_at(k) || is_constrained_at(k)))
-    start_backwards(k);
-  set_for_step(k);
-  const Step own = step(k);
+  if (pending.size() > 0 && (!same_at_both || removals.any_at(own.number) || scene_changes.any_at(own.number) ||
+                             is_constrained_at(own.number)))
+    start_backwards(own.until, own.number, pending_until);
+  set_for_step(own.number);
   const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
   weights.setZero(size());
   begin_step(own);
   find_outputs(own);
+  ByTime by_start;
+  if (own.starts_at_event) by_start = find_times(own).start;
   solver.prepare(end, own.w, 1, &outputs);
   if (pending.size() > 0) add_start(host);
   internal.weigh_end(end, dp, dv);
@@ -71,13 +74,19 @@ void MotionDerivatives::Impl::step_backwards(std::size_t k) {
   learned.add_cotangent(engine, host, end, weights.data(), internal.weights());
   product = dp + own.w * product;
   other = dv + own.w * other;
+  by_moved = own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) : 0.0;
   if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
   outputs.to_start(product, other, dp, dv);
   dv += solution;
   internal.weigh_start(start, end, own.w * solution, dp, dv);
   clear_pinned(dp);
   clear_pinned(dv);
-  if (own.c > 0.0) pending = own.c * solution;
+  if (own.c > 0.0) {
+    pending = own.c * solution;
+    pending_until = own.until.time;
+  }
+  // An event is between this start and the end before it.
+  if (own.starts_at_event && pending.size() > 0) start_backwards(own.from, own.number - 1, pending_until);
 }
 
 VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
@@ -87,6 +96,7 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   dv.setZero();
   internal.begin_weights();
   pending.resize(0);
+  by_moved = 0.0;
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
   for (std::size_t k = trajectory.size(); k-- > 0;) {
     StateChange own{zero, zero};
@@ -97,11 +107,15 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
                               own.positions.cols(), own.velocities.cols(), zero.cols()));
     add_from_user_order(own.positions, dp);
     add_from_user_order(own.velocities, dv);
-    if (k > 0) with_messages([&] { step_backwards(k); });
+    if (k > 0)
+      with_messages([&] {
+        const Parts parts = parts_of(k);
+        for (auto each = parts.steps.rbegin(); each != parts.steps.rend(); ++each) part_backwards(*each);
+      });
   }
   if (pending.size() > 0) {
     set_for_step(1);
-    with_messages([&] { start_backwards(0); });
+    with_messages([&] { start_backwards(trajectory.at(0), 0, pending_until); });
   }
   clear_pinned(dv);
   return learned.cotangent(dv);

@@ -21,8 +21,6 @@ void check_method(const LawUse& integrator) {
     refuse(fmt::format("the integrator is '{}'; only steps of 'recurrent' are differentiated", integrator.id));
   if (option(integrator, "sweeps", 0.0) != 0.0)
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
-  if (option(integrator, "events", 0.0) != 0.0)
-    refuse("steps that are divided where events are located are not differentiated; set events = \"stepwise\"");
 }
 
 bool have_no_jumps(const Network& network) {

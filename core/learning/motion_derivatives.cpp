@@ -33,15 +33,21 @@ void MotionDerivatives::Impl::check_step(std::size_t state) {
   const StepReport& report = simulation.last_report();
   if (report.outcome != Outcome::settled) refuse("a step that has not settled");
   if (report.substeps > 0) refuse("a step that was divided as it did not settle");
-  if (removals.take(simulation.events(), state, simulation.time()) != nullptr) refuse("a node that is jammed");
-  scene_changes.take(state, simulation.time());
-  if (constraints) constraints->history().record(simulation, state);
+  if (locates) {
+    // Where the last part ended at an event, an instant is left until the step ends.
+    if (!recorder.parts().empty() && !recorder.parts().back().events.empty()) ++part_count;
+  } else {
+    if (removals.take(simulation.events(), state, simulation.time()) != nullptr) refuse("a node that is jammed");
+    scene_changes.take(state, simulation.time());
+    if (constraints) constraints->history().record(simulation, state);
+  }
   const std::vector<Event>& all = simulation.events();
   events.insert(events.end(), all.begin() + static_cast<std::ptrdiff_t>(events_before + events.size()), all.end());
 }
 
 void MotionDerivatives::Impl::begin(const VectorXd& values) {
   simulation.restore(saved_start);
+  begin_parts();
   removals.begin(simulation.events().size());
   scene_changes.begin();
   events.clear();
@@ -85,21 +91,15 @@ const sdk::Host& MotionDerivatives::Impl::host_at_start(std::size_t state, doubl
 void MotionDerivatives::Impl::find_outputs(const Step& step) {
   outputs.begin(nodes, step.c, step.w);
   if (!constraints || !constraints->any_within(step.number)) return;
-  const auto accelerations = [&](const sdk::Host& of, springnet_evaluation where) {
-    VectorXd result(size());
-    where.acceleration = {result.data(), result.data() + nodes, result.data() + 2 * nodes};
-    of.evaluate(where);
-    return result;
-  };
   VectorXd free = step.from.v + step.w * accelerations(host, end_of(step));
   if (step.c > 0.0) {
     const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
     free += step.c * accelerations(of, evaluation(step.from));
     begin_step(step);
   }
-  constraints->find_outputs(
-      {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p, step.until.v}, free,
-      outputs);
+  constraints->find_outputs({step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v,
+                             step.until.p, step.until.v, step.kept},
+                            free, outputs);
 }
 
 MotionDerivatives::MotionDerivatives(const std::shared_ptr<const Network>& network,

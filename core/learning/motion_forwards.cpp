@@ -1,5 +1,7 @@
 #include "learning/motion.hpp"
 
+#include <utility>
+
 #include <springnet/error.hpp>
 
 namespace springnet {
@@ -34,12 +36,22 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
   }
   const springnet_evaluation end = end_of(step);
   find_outputs(step);
+  const bool timed = start_moves.size() > 0;
+  ByTimes by_times;
+  if (timed) by_times = find_times(step);
   solver.prepare(end, step.w, columns, &outputs);
   internal.add_by_start(start, end, step.w, dps, dvs, rhss);
   // Without the velocities V that are yet to be found.
   for (Eigen::Index j = 0; j < columns; ++j) {
     outputs.from_start(dps.col(j), dvs.col(j), solution, product);
     if (outputs.any()) outputs.add_masses(learned.mass_changes(changes.col(j), nodes), solution, product);
+    if (timed) {
+      clear_pinned(solution);
+      clear_pinned(product);
+      solution += start_moves[j] * by_times.start.p + end_moves[j] * by_times.end.p;
+      product += start_moves[j] * by_times.start.v + end_moves[j] * by_times.end.v;
+      rhss.col(j) += start_moves[j] * by_times.start.free + end_moves[j] * by_times.end.free;
+    }
     dps.col(j) = solution;
     dvs.col(j) = product;
   }
@@ -51,8 +63,10 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
     outputs.from_free(solution, product, other);
     product += dps.col(j);
     other += dvs.col(j);
-    clear_pinned(product);
-    clear_pinned(other);
+    if (!timed) {
+      clear_pinned(product);
+      clear_pinned(other);
+    }
     dps.col(j) = product;
     dvs.col(j) = other;
   }
@@ -76,6 +90,7 @@ void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
   changes = directions;
   dps.setZero(size(), directions.cols());
   dvs.setZero(size(), directions.cols());
+  moved.setZero(directions.cols());
   internal.begin_changes(directions.cols());
   for (Eigen::Index j = 0; j < directions.cols(); ++j) {
     product.setZero();
@@ -95,8 +110,10 @@ void MotionDerivatives::Impl::tangent(const MatrixXd& directions, const StateTan
   for (std::size_t k = 0;; ++k) {
     told(k, columns_in_user_order(dps), columns_in_user_order(dvs));
     if (k + 1 >= trajectory.size()) return;
-    set_for_step(k + 1);
-    with_messages([&] { step_forwards(step(k + 1)); });
+    with_messages([&] {
+      const Parts parts = parts_of(k + 1);
+      for (const Step& each : parts.steps) part_forwards(each);
+    });
   }
 }
 
@@ -119,16 +136,22 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
   scene_changes.begin_at_last();
   set_for_step(1);
   learned.set_without_start(simulation, values);
+  begin_parts();
   if (constraints) constraints->history().begin(simulation);
-  simulation.step();
+  recorder.step(simulation, true);
   check_step(1);
-  trajectory.hold(trajectory.at(1), present());
+  State reached = present();
+  reached.parts = recorder.parts();
+  trajectory.hold(trajectory.at(1), std::move(reached));
   set_for_step(1);
   set_engines(values);
   changes = directions;
   dps_before = dps;
   dvs_before = dvs;
-  with_messages([&] { step_forwards(step(1)); });
+  with_messages([&] {
+    const Parts parts = parts_of(1);
+    for (const Step& each : parts.steps) part_forwards(each);
+  });
 }
 
 }  // namespace springnet

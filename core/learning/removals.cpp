@@ -1,6 +1,7 @@
 #include "learning/removals.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace springnet::learning {
 
@@ -23,16 +24,22 @@ void Removals::begin(std::size_t events) {
 
 // Where a step begins what has no margin left breaks before the step, as after a change of parameters: at the state
 // before.
-const Event* Removals::take(const std::vector<Event>& events, std::size_t state, double time) {
+const Event* Removals::take(const std::vector<Event>& events, std::size_t state, double time,
+                            const std::function<std::size_t(const Event&)>& of) {
   const Event* jammed = nullptr;
+  std::vector<std::pair<std::size_t, Event>> taken;
   for (; taken_ < events.size(); ++taken_) {
     const Event& each = events[taken_];
     if (each.kind != Event::Kind::cut && each.kind != Event::Kind::ruptured) {
       if (jammed == nullptr && each.kind == Event::Kind::jammed) jammed = &each;
       continue;
     }
-    events_.push_back(each);
-    states_.push_back(each.time < time ? state - 1 : state);
+    taken.emplace_back(each.time < time ? state - 1 : of ? of(each) : state, each);
+  }
+  std::stable_sort(taken.begin(), taken.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [at, event] : taken) {
+    events_.push_back(event);
+    states_.push_back(at);
   }
   return jammed;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <springnet/simulation.hpp>
@@ -21,8 +22,9 @@ class Removals {
   // Another engine of the same net that is to follow.
   void follow(Engine& engine) { followers_.push_back(&engine); }
   // Takes the events since, of the step that has reached a state at this time (s). Returns the first of a node that is
-  // jammed, or null; contacts are left.
-  const Event* take(const std::vector<Event>& events, std::size_t state, double time);
+  // jammed, or null; contacts are left. of: a later state for some of those at this time; null: none has one.
+  const Event* take(const std::vector<Event>& events, std::size_t state, double time,
+                    const std::function<std::size_t(const Event&)>& of = nullptr);
   // All so far are of state 0, as of a motion that begins there.
   void begin_at_last();
 

@@ -65,7 +65,8 @@ class Cluster {
     by_mobility.bottomRows(size_) =
         own.solve(by_free * of_mobility(rows.g.transpose() * x) + by_place * corrected.by_mobility);
     by_mobility.topRows(size_) = given_.w * by_start * by_mobility.bottomRows(size_) + corrected.by_mobility;
-    return ClusterDerivative{std::move(result), std::move(by_mobility)};
+    VectorXd by_length = result.leftCols(size_) * ((1.0 - given_.theta) * given_.v + given_.theta * ends);
+    return ClusterDerivative{std::move(result), std::move(by_mobility), std::move(by_length)};
   }
 
  private:

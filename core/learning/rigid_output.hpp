@@ -22,6 +22,7 @@ struct ClusterOverStep {
   std::vector<Rod> rods;
   Eigen::VectorXd mobility;  // [node] 1/kg; 0: its motion is given
   double w, c;               // s, of a step: theta h, (1 - theta) h
+  double theta;
   // [3 node], x y z of each: m, m/s. V of a node whose motion is given: that at the end.
   Eigen::VectorXd p, v, free, P, U;
 };
@@ -29,6 +30,7 @@ struct ClusterOverStep {
 struct ClusterDerivative {
   Eigen::MatrixXd by_state;     // of (P, U) by (p, v, V), [6 node][9 node]
   Eigen::MatrixXd by_mobility;  // by the mobilities, [6 node][node]
+  Eigen::VectorXd by_length;    // by the length of the step, [6 node]
 };
 // None if the formulas do not give (P, U).
 [[nodiscard]] std::optional<ClusterDerivative> output_derivative(const ClusterOverStep& cluster);

@@ -75,12 +75,15 @@ const sdk::Host& StepConstraints::begin_step(std::size_t state, double from, dou
   state_time_ = from;
   Contact& contact = engine_.model().contact;
   if (contact.obstacles().empty()) return host_;
-  const std::map<std::uint32_t, Touch>& touches = history_.at(state);
+  const Touches& touches = history_.at(state);
   for (std::uint32_t node = 0; node < engine_.model().node_count(); ++node) {
     const auto found = touches.find(node);
     const Touch touch = found == touches.end() ? Touch{} : found->second;
     if (!(contact.committed(node) == touch)) contact.touch(node, touch, Vector3::Zero());
+    if (touch.slides) contact.set_slip(node, Vector3::Zero());
   }
+  for (const Slipping& each : history_.slips_at(state))
+    if (contact.committed(each.node).slides) contact.set_slip(each.node, each.direction, each.phase);
   return host_;
 }
 
@@ -112,11 +115,12 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
   Model& model = engine_.model();
   const double h = step.until_time - step.from_time;
   outputs.begin(model.node_count(), (1.0 - step.theta) * h, step.theta * h);
-  const std::vector<StepContact> contacts = history_.within(step.until);
+  std::vector<StepContact> contacts = history_.within(step.until);
   const std::shared_ptr<const Placement> start = model.contact.at(just_after(step.from_time));
   const std::shared_ptr<const Placement> end = model.contact.at(just_before(step.until_time, h));
   const StepPlacement placement{*start, *end, h, step.theta};
-  for (const StepContact& each : contacts) {
+  for (StepContact& each : contacts) {
+    each.kept = step.kept;
     const std::uint32_t k = each.node;
     if (model.contact.fixed()[k] != 0 || is_rigid(k)) continue;
     const NodeOverStep node{node_of(step.p, k), node_of(step.v, k), node_of(free, k), node_of(step.P, k),
@@ -127,7 +131,9 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
           ErrorKind::simulation,
           fmt::format("learning: the contact of node {} with {} at {:g} s is not differentiated", model.user_number(k),
                       model.contact.name_of(static_cast<std::size_t>(each.touch.surface)), step.until_time));
-    outputs.add({k}, *derivative);
+    Eigen::MatrixXd by_times;
+    if (derivative->has_times) by_times = derivative->by_times;
+    outputs.add({k}, derivative->by_state, {}, std::move(by_times));
   }
   add_clusters(step, free, contacts, {placement, start}, outputs);
 }
@@ -144,6 +150,8 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
     cluster.nodes = rigid.nodes_of(c);
     cluster.w = step.theta * h;
     cluster.c = (1.0 - step.theta) * h;
+    cluster.theta = step.theta;
+    bool moves = false;  // one of its nodes is moved
     const auto size = static_cast<Index>(cluster.nodes.size());
     cluster.mobility.resize(size);
     for (VectorXd* each : {&cluster.p, &cluster.v, &cluster.free, &cluster.P, &cluster.U}) each->resize(3 * size);
@@ -151,6 +159,7 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
       const std::uint32_t k = cluster.nodes[static_cast<std::size_t>(i)];
       place[k] = static_cast<std::size_t>(i);
       const bool is_given = model.contact.fixed()[k] != 0;
+      moves = moves || model.contact.prescribed().moves(k);
       cluster.mobility[i] = is_given ? 0.0 : 1.0 / model.mass[k];
       cluster.p.segment<3>(3 * i) = node_of(step.p, k);
       cluster.v.segment<3>(3 * i) = node_of(step.v, k);
@@ -177,7 +186,13 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
               own.empty() ? "" : ", with contact of node " + std::to_string(model.user_number(own.front().node))));
     // dW = -dm / m^2.
     for (Index i = 0; i < size; ++i) derivative->by_mobility.col(i) *= -cluster.mobility[i] * cluster.mobility[i];
-    outputs.add(std::move(cluster.nodes), std::move(derivative->by_state), std::move(derivative->by_mobility));
+    Eigen::MatrixXd by_times;
+    if (!moves && derivative->by_length.size() > 0) {
+      by_times.resize(derivative->by_length.size(), 2);
+      by_times << -derivative->by_length, derivative->by_length;
+    }
+    outputs.add(std::move(cluster.nodes), std::move(derivative->by_state), std::move(derivative->by_mobility),
+                std::move(by_times));
   }
 }
 

@@ -32,6 +32,7 @@ class StepConstraints {
   // Throws Error(input) if start velocities are learned of nodes that are constrained from the start: they are
   // projected, which is not differentiated. simulation: at the start.
   void check_starts(const LearnedSets& learned, const Simulation& simulation) const;
+  [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
   // Whether anything constrains the accelerations at a state.
   [[nodiscard]] bool any_at(std::size_t state);
   // Or the outputs of the step that ends at a state.
@@ -49,6 +50,7 @@ class StepConstraints {
     std::size_t until;  // number of the state at its end
     double from_time, until_time, theta;
     const Eigen::VectorXd &p, &v, &P, &U;
+    bool kept = false;  // contacts, which no sweep has decided
   };
   // Throws Error(simulation) for a contact that is not differentiated, with its node and time.
   void find_outputs(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs);
@@ -60,7 +62,6 @@ class StepConstraints {
   }
 
  private:
-  [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
   template <class Use>
   void for_each_carried(const Use& use);
   struct Places {

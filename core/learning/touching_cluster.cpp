@@ -59,6 +59,7 @@ class Sweep {
     sweep.next_velocity = vectors(3);
     sweep.time_constant = step_.h;
     sweep.theta = step_.theta;
+    sweep.contacts = contacts_.front().kept ? 1 : 0;
     std::vector<double> masses;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       masses.push_back(model_.mass[nodes[i]]);

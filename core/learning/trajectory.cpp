@@ -21,6 +21,11 @@ std::size_t bytes_of(const Trajectory::State& state) {
 
 }  // namespace
 
+void Trajectory::record(State& to) {
+  record_(to);
+  to.parts = recorder_.parts();
+}
+
 void Trajectory::clear() {
   times_.clear();
   saved_.clear();
@@ -73,14 +78,15 @@ void Trajectory::begin_part(std::size_t part, std::size_t target) {
     const std::size_t last = saved_.back().part, left = target - last + 1;
     if (left < 2 || part != last + parts_until_kept(left, use_.places - saved_.size() + 1)) return;
   }
-  saved_.push_back({part, std::move(bytes)});
+  saved_.push_back({part, std::move(bytes), recorder_.parts()});
 }
 
 void Trajectory::run(std::size_t steps, const std::function<void(std::size_t)>& made) {
   clear();
+  recorder_.take_up({});
   try {
     State first;
-    record_(first);
+    record(first);
     plan(first, simulation_.save().size(), steps);
     times_.reserve(steps + 1);
     const std::size_t target = steps / use_.part;
@@ -95,12 +101,12 @@ void Trajectory::run(std::size_t steps, const std::function<void(std::size_t)>& 
           count_ = 0;
         }
       }
-      record_(states_[count_]);
+      record(states_[count_]);
       times_.push_back(states_[count_++].time);
       here_ = k;
       count();
       if (k == steps) return;
-      simulation_.step();
+      recorder_.step(simulation_, true);
       made(k + 1);
     }
   } catch (...) {
@@ -115,7 +121,7 @@ const Trajectory::State* Trajectory::find(std::size_t state) const noexcept {
 }
 
 void Trajectory::step_on() {
-  simulation_.step();
+  recorder_.step(simulation_, false);
   ++here_;
   ++use_.steps_again;
 }
@@ -137,6 +143,7 @@ void Trajectory::load(std::size_t part) {
       saved_.begin(), saved_.end(), part, [](std::size_t number, const Saved& each) { return number < each.part; }));
   if (here_ > begin || here_ < last->part * use_.part) {
     simulation_.restore(last->bytes);
+    recorder_.take_up(last->parts);
     here_ = last->part * use_.part;
   }
   const std::size_t target = back ? part : parts() - 1;
@@ -146,7 +153,7 @@ void Trajectory::load(std::size_t part) {
   }
   first_ = begin;
   for (;;) {
-    record_(states_[count_++]);
+    record(states_[count_++]);
     if (here_ + 1 == end) break;
     step_on();
   }

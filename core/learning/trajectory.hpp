@@ -12,6 +12,8 @@
 
 #include <springnet/simulation.hpp>
 
+#include "learning/step_parts.hpp"
+
 namespace springnet::learning {
 
 // Steps are made in parts of some states. Where a part begins the simulation is saved in any case, so that what follows
@@ -19,13 +21,16 @@ namespace springnet::learning {
 class Trajectory {
  public:
   struct State {
-    double time = 0.0;     // s
-    Eigen::VectorXd p, v;  // m, m/s: [3 node]
-    Eigen::VectorXd z;     // internal states of laws
+    double time = 0.0;            // s
+    Eigen::VectorXd p, v;         // m, m/s: [3 node]
+    Eigen::VectorXd z;            // internal states of laws
+    std::vector<StepPart> parts;  // of the step that ends here, if it was divided
   };
-  using Record = std::function<void(State&)>;  // writes the present state of the simulation
+  using Record = std::function<void(State&)>;  // writes the present state of the simulation, but for the parts
 
-  Trajectory(Simulation& simulation, Record record) : simulation_(simulation), record_(std::move(record)) {}
+  // recorder: makes the steps.
+  Trajectory(Simulation& simulation, Record record, PartRecorder& recorder)
+      : simulation_(simulation), record_(std::move(record)), recorder_(recorder) {}
 
   // Bytes, of states and saved states. Of the runs to come.
   void set_memory(std::size_t bytes) noexcept { memory_ = bytes; }
@@ -61,7 +66,9 @@ class Trajectory {
   struct Saved {
     std::size_t part;
     std::string bytes;
+    std::vector<StepPart> parts;  // of the step that ends there
   };
+  void record(State& to);
   [[nodiscard]] const State* find(std::size_t state) const noexcept;
   [[nodiscard]] std::size_t parts() const noexcept { return (times_.size() + use_.part - 1) / use_.part; }
   void plan(const State& first, std::size_t saved_size, std::size_t steps);
@@ -73,6 +80,7 @@ class Trajectory {
 
   Simulation& simulation_;
   Record record_;
+  PartRecorder& recorder_;
   std::size_t memory_ = std::size_t{1} << 30;
   std::vector<double> times_;  // [state] s
   // States from first_ on: all, or those of a part; and one of a part beside it.

@@ -24,6 +24,7 @@
 #include "simulation/contact_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/impact_search.hpp"
+#include "simulation/step_watch.hpp"
 #include "simulation/verlet_contact.hpp"
 
 namespace springnet {
@@ -91,6 +92,7 @@ springnet_status Engine::constrain(const springnet_sweep& request) {
 }
 
 springnet_status Engine::fire_events(double time, State& state, const std::int32_t* fired) {
+  if (StepWatch* const watch = StepWatch::current()) watch->fires(*this, time, state, fired);
   return contact_events_.fire(time, state, fired);
 }
 
@@ -144,6 +146,7 @@ springnet_status Engine::commit(double time, State& state) {
   model_.jumps_due = change <= time && told && calls_.ends_at(time);
   const bool jumps = change <= time && !model_.jumps_due;
   swept_ = sweep_.done().any;
+  const bool decided = swept_ && sweep_.done().decided;
   springnet_status status = swept_ ? commit_sweeps(state) : commit_solution(state, jumps);
   if (dissipation_) dissipation_->end_step(model_);
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
@@ -153,6 +156,8 @@ springnet_status Engine::commit(double time, State& state) {
   status = topology_.perform_due_ruptures();
   topology_.perform_due_cuts();
   changes_.perform_due();
+  if (StepWatch* const watch = StepWatch::current(); watch != nullptr && status == SPRINGNET_OK)
+    watch->committed(*this, decided);
   return status;
 }
 

@@ -180,9 +180,6 @@ TEST_CASE("what is not differentiated is refused with what it is") {
   refused(net, method(1.0, newton), {}, "nothing to be learned");
   refused(net, method(1.0, newton), {{Kind::mass, false, "", {}}}, "nothing to be learned");
   refused(net, method(1.0, newton), {mass, {Kind::mass, false, "", {4, 1}}}, "node 1 is listed twice");
-  SimulationOptions located = method(0.5, newton);
-  located.integrator.parameters["events"] = 1;
-  refused(net, located, {mass}, "set events");
   refused(net, method(1.0, newton), {mass}, "no time step", 0.001);
   refused(net, method(1.0, newton), {{Kind::mass, false, "", {100}}}, "node 100 does not exist");
   refused(net, method(1.0, newton), {{Kind::mass, false, "", {1, 1}}}, "node 1 is listed twice");

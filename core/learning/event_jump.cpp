@@ -1,0 +1,104 @@
+#include "learning/event_jump.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/friction.hpp"
+#include "learning/surface_numbers.hpp"
+
+namespace springnet::learning {
+namespace {
+
+// Speeds after an event follow from those before to rounding, and to what settling takes for errors of integration.
+constexpr double tolerance = 1e-5;
+
+class Jump {
+ public:
+  Jump(const Contact& contact, const Placement& at, const LocatedEvent& event)
+      : contact_(contact),
+        event_(event),
+        surfaces_(contact, at, by_t1),
+        p_(variable(event.p, by_p)),
+        v_(variable(event.v, by_v)) {}
+
+  [[nodiscard]] std::optional<NodeJump> found() const {
+    const bool changes = !(event_.before == event_.after) || !(event_.v == event_.next_v);
+    if (event_.kind == LocatedEvent::Kind::touch && changes) return of_touch();
+    const Touch& after = event_.after;
+    // Where it slid it lies on the surface already, up to rounding.
+    if (after.surface >= 0 && !after.slides) return matched(p_, surfaces_.velocity(after.surface, p_));
+    return matched(p_, v_);
+  }
+
+ private:
+  [[nodiscard]] std::optional<NodeJump> of_touch() const {
+    const std::int32_t j = event_.surface;
+    const Obstacle& surface = contact_.obstacles()[static_cast<std::size_t>(j)];
+    const Touch& after = event_.after;
+    if (after.has(j) && after.second >= 0) return on_edge();
+    const Vector place = surfaces_.onto(j, p_);
+    if (after.has(j) && !after.slides) return matched(place, surfaces_.velocity(j, place));
+    // The impact is that where the node was found, and the velocity is tangential where it is put.
+    for (const double rebound : {0.0, surface.restitution()}) {
+      const Vector n = surfaces_.normal(j, p_), w = surfaces_.velocity(j, p_), relative = v_ - w;
+      const Number into = -dot(n, relative), push = Number(1.0 + rebound) * into;
+      const Vector along = relative + into * n;
+      const Number slip = length(along);
+      const Vector bounce = (Number(rebound) * into) * n;
+      const double mu = surface.friction().kind == Friction::Kind::coulomb ? surface.friction().coefficient : 0.0;
+      Vector left = along;
+      if (surface.friction().kind == Friction::Kind::held)
+        left = Vector{};
+      else if (mu > 0.0 && slip.value > 0.0)
+        left = mu * push.value < slip.value ? along - (Number(mu) * push / slip) * along : Vector{};
+      Vector velocity = w + left + bounce;
+      if (after.has(j)) {
+        const Vector there = surfaces_.normal(j, place);
+        velocity = velocity - dot(there, velocity - surfaces_.velocity(j, place)) * there;
+      }
+      if (const auto result = matched(place, velocity)) return result;
+    }
+    return std::nullopt;
+  }
+
+  // Of two surfaces: it sticks to the edge, or slides along it without friction.
+  [[nodiscard]] std::optional<NodeJump> on_edge() const {
+    const Touch& after = event_.after;
+    if (after.third >= 0) return std::nullopt;
+    const Vector a0 = surfaces_.normal(after.surface, p_), b0 = surfaces_.normal(after.second, p_);
+    const Vector place = p_ - pulled(a0, b0, surfaces_.gap(after.surface, p_), surfaces_.gap(after.second, p_));
+    if (!after.slides) return matched(place, surfaces_.velocity(after.surface, place));
+    const Vector a = surfaces_.normal(after.surface, place), b = surfaces_.normal(after.second, place);
+    const Number ra = dot(a, v_ - surfaces_.velocity(after.surface, place)),
+                 rb = dot(b, v_ - surfaces_.velocity(after.second, place));
+    return matched(place, v_ - pulled(a, b, ra, rb));
+  }
+  // The shortest vector with these components along two normals.
+  [[nodiscard]] static Vector pulled(const Vector& a, const Vector& b, const Number& along_a, const Number& along_b) {
+    const Number ab = dot(a, b), determinant = Number(1.0) - ab * ab;
+    return ((along_a - ab * along_b) / determinant) * a + ((along_b - ab * along_a) / determinant) * b;
+  }
+
+  [[nodiscard]] std::optional<NodeJump> matched(const Vector& place, const Vector& velocity) const {
+    const double speed = event_.v.norm() + event_.next_v.norm();
+    if (!((value_of(velocity) - event_.next_v).norm() <= tolerance * speed)) return std::nullopt;
+    const Changes by_place = changes_of(place), by_velocity = changes_of(velocity);
+    NodeJump result;
+    result.by_state << by_place.leftCols<6>(), by_velocity.leftCols<6>();
+    result.by_time << by_place.col(by_t1), by_velocity.col(by_t1);
+    return result;
+  }
+
+  const Contact& contact_;
+  const LocatedEvent& event_;
+  SurfaceNumbers surfaces_;
+  Vector p_, v_;
+};
+
+}  // namespace
+
+std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event) {
+  return Jump(contact, at, event).found();
+}
+
+}  // namespace springnet::learning

@@ -1,0 +1,22 @@
+// What an event does to the state of its node, differentiated: where it is put on the surface, the impact, the rest of
+// a slip.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "constraints/contact.hpp"
+#include "learning/step_parts.hpp"
+
+namespace springnet::learning {
+
+struct NodeJump {
+  Eigen::Matrix<double, 6, 6> by_state = Eigen::Matrix<double, 6, 6>::Identity();  // of position and velocity
+  Eigen::Matrix<double, 6, 1> by_time = Eigen::Matrix<double, 6, 1>::Zero();       // of the event
+};
+
+// None if no formula gives what the node had after the event. at: at its time.
+[[nodiscard]] std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event);
+
+}  // namespace springnet::learning

@@ -1,0 +1,419 @@
+// Time steps that are divided where events are located. With a change of the state and of the time t0 at its start, the
+// end of a part changes by that and by the time t1 at which an event happens. This follows from the event's value g,
+// which is 0 there: dt1 = -(dg at this time) / (dg/dt1). Then the event changes the state, and the next part starts at
+// t1. At the end of the time step, and where cuts, loads and motions jump, times stay.
+
+#include "learning/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+using Eigen::Index;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+using learning::EventCondition;
+using learning::LocatedEvent;
+using learning::NodeJump;
+using learning::StepPart;
+
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// Derivatives by time that have no formula, of loads and of accelerations of surfaces, are central differences over
+// twice this share of the time step: of an error of 1e-8 times the square of the angle by which they swing in a step.
+constexpr double share_of_step = 1e-4;
+
+Vector6 state_of(const Eigen::Ref<const VectorXd>& p, const Eigen::Ref<const VectorXd>& v, std::uint32_t node) {
+  const Index n = p.size() / 3;
+  Vector6 result;
+  result << p[node], p[n + node], p[2 * n + node], v[node], v[n + node], v[2 * n + node];
+  return result;
+}
+void put_state(Eigen::Ref<VectorXd> p, Eigen::Ref<VectorXd> v, std::uint32_t node, const Vector6& state) {
+  const Index n = p.size() / 3;
+  for (Index axis = 0; axis < 3; ++axis) {
+    p[axis * n + node] = state[axis];
+    v[axis * n + node] = state[3 + axis];
+  }
+}
+void put_state(VectorXd& p, VectorXd& v, std::uint32_t node, const Vector3& position, const Vector3& velocity) {
+  Vector6 state;
+  state << position, velocity;
+  put_state(p, v, node, state);
+}
+Vector3 node_of(const VectorXd& of, std::uint32_t node) {
+  const Index n = of.size() / 3;
+  return {of[node], of[n + node], of[2 * n + node]};
+}
+
+std::string what_happens(LocatedEvent::Kind kind) {
+  switch (kind) {
+    case LocatedEvent::Kind::touch:
+      return "touch";
+    case LocatedEvent::Kind::release:
+      return "release";
+    case LocatedEvent::Kind::slip:
+      return "slip";
+    case LocatedEvent::Kind::rest:
+      return "end of the slip";
+    case LocatedEvent::Kind::several:
+      return "several events at once";
+    case LocatedEvent::Kind::seam:
+      return "way over an edge";
+    case LocatedEvent::Kind::slow:
+    case LocatedEvent::Kind::quick:
+    case LocatedEvent::Kind::stall:
+      return "change of the slip";
+    default:
+      return "rupture";
+  }
+}
+
+}  // namespace
+
+void MotionDerivatives::Impl::refuse(const LocatedEvent& event, double time, const std::string& what) const {
+  std::string who =
+      fmt::format("{} {}", event.kind == LocatedEvent::Kind::spring_rupture ? "spring" : "element", event.index);
+  if (event.is_of_node())
+    who = fmt::format("node {} with {}", engine.model().user_number(event.index),
+                      constraints->engine().model().contact.name_of(static_cast<std::size_t>(event.surface)));
+  throw Error(ErrorKind::simulation, fmt::format("learning: the {} of {} at {:g} s is not differentiated{}; set events "
+                                                 "= \"stepwise\"",
+                                                 what_happens(event.kind), who, time, what));
+}
+
+void MotionDerivatives::Impl::refuse(const Step& step, const std::string& what) const {
+  if (step.event != nullptr) refuse(*step.event, step.until.time, what);
+  throw Error(ErrorKind::simulation,
+              fmt::format("learning: the part of a step to {:g} s, which starts at an event, is not differentiated{}; "
+                          "set events = \"stepwise\"",
+                          step.until.time, what));
+}
+
+// ---- what the steps were, while they are made the first time --------------------------------------------------------
+
+void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed& committed) {
+  const StepPart& part = committed.part;
+  if (recorder.parts().size() == 1) parts_before.push_back(part_count);
+  if (internal.any() && !part.events.empty())
+    refuse(part.events.front(), part.time, " with laws that have internal states");
+  const std::size_t first = part_count + 1;
+  part_count += std::max<std::size_t>(1, part.events.size());
+  if (committed.decided) decided.insert(first);
+  const auto of = [&](const Event& event) {
+    const auto found = std::find_if(part.events.begin(), part.events.end(), [&](const LocatedEvent& each) {
+      return !each.is_of_node() && each.index == event.index &&
+             event.element == (each.kind == LocatedEvent::Kind::element_rupture);
+    });
+    return found == part.events.end() ? part_count : first + static_cast<std::size_t>(found - part.events.begin());
+  };
+  const Event* const jammed = removals.take(simulation.events(), first, part.time, of);
+  if (jammed != nullptr)
+    throw Error(
+        ErrorKind::simulation,
+        fmt::format("learning: node {}, which is jammed at {:g} s, is not differentiated", jammed->index, part.time));
+  scene_changes.take(part_count, part.time);
+  if (!constraints) return;
+  learning::ContactHistory& history = constraints->history();
+  const Model& model = committed.engine.model();
+  if (committed.decided) {
+    history.record(simulation, first);
+  } else {
+    history.keep(simulation, first, committed.within);
+    for (std::size_t i = 0; i < part.events.size(); ++i)
+      if (part.events[i].is_of_node()) history.change(first + i, part.events[i].index, part.events[i].after);
+  }
+  const learning::Touches now = learning::contacts_of(model.contact, model.node_count());
+  if (const learning::Touches& known = history.at(part_count); now != known) {
+    const auto differs = std::find_if(now.begin(), now.end(), [&](const auto& each) {
+      const auto found = known.find(each.first);
+      return found == known.end() || !(found->second == each.second);
+    });
+    const std::uint32_t node = differs != now.end() ? differs->first : known.begin()->first;
+    throw Error(ErrorKind::simulation,
+                fmt::format("learning: the contact of node {}, which changes at {:g} s without an event, is not "
+                            "differentiated; set events = \"stepwise\"",
+                            model.user_number(node), part.time));
+  }
+  std::vector<learning::Slipping> slips;
+  for (const auto& [node, touch] : now)
+    if (touch.slides && model.contact.slip_phase(node) != Contact::Slip::ongoing)
+      slips.push_back({node, model.contact.slip(node), model.contact.slip_phase(node)});
+  for (std::size_t number = first; number <= part_count; ++number) history.set_slips(number, slips);
+}
+
+MotionDerivatives::Impl::Parts MotionDerivatives::Impl::parts_of(std::size_t k) {
+  const auto [from, until] = trajectory.step(k);
+  Parts result;
+  std::size_t number = locates ? parts_before[k - 1] : k - 1;
+  if (until.parts.empty()) {
+    result.steps.push_back(part(number + 1, from, until));
+    return result;
+  }
+  const State* at = &from;
+  bool after_event = false;
+  const auto add = [&](const State& end, const LocatedEvent* event, bool instant) {
+    Step& step = result.steps.emplace_back(part(++number, *at, end));
+    step.starts_at_event = after_event;
+    step.event = event;
+    step.is_instant = instant;
+    after_event = event != nullptr;
+    at = &end;
+  };
+  for (std::size_t i = 0; i < until.parts.size(); ++i) {
+    const StepPart& own = until.parts[i];
+    const State* after = &until;
+    if (i + 1 < until.parts.size()) after = &result.states.emplace_back(State{own.time, own.p, own.v, own.z, {}});
+    if (own.events.empty()) {
+      add(*after, nullptr, false);
+      continue;
+    }
+    State found{own.time, after->p, after->v, after->z, {}};
+    for (const LocatedEvent& each : own.events)
+      if (each.is_of_node()) put_state(found.p, found.v, each.index, each.p, each.v);
+    for (std::size_t e = 0; e < own.events.size(); ++e) {
+      const LocatedEvent& event = own.events[e];
+      add(result.states.emplace_back(found), &event, e > 0);
+      if (event.is_of_node()) put_state(found.p, found.v, event.index, event.next_p, event.next_v);
+    }
+    at = after;
+  }
+  if (after_event) add(until, nullptr, true);
+  return result;
+}
+
+// ---- times ----------------------------------------------------------------------------------------------------------
+
+// Where the step's outputs were found.
+MotionDerivatives::Impl::ByTimes MotionDerivatives::Impl::find_times(const Step& step) {
+  const double h = step.until.time - step.from.time, d = std::min(0.5 * h, share_of_step * time_step);
+  VectorXd at_start_a = VectorXd::Zero(size()), at_end_a;
+  const auto evaluate = [&](double from, double until) {
+    host.begin_step(from, until);
+    springnet_evaluation end = end_of(step), start = evaluation(step.from);
+    end.time = until;
+    start.time = from;
+    at_end_a = accelerations(host, end);
+    if (step.c > 0.0) at_start_a = accelerations(host_at_start(step.number - 1, from, until), start);
+  };
+  const auto over_step = [&] { return VectorXd(step.c * at_start_a + step.w * at_end_a); };
+  ByTimes result;
+  const double from = step.from.time, until = step.until.time;
+  const auto difference = [&](double start, double end) {
+    evaluate(from + start, until + end);
+    const VectorXd after = over_step();
+    evaluate(from - start, until - end);
+    return VectorXd((after - over_step()) / (2.0 * (start + end)));
+  };
+  result.start.free = difference(d, 0.0);
+  result.end.free = difference(0.0, d);
+  evaluate(from, until);
+  const VectorXd mean = over_step() / h;
+  result.start.free -= mean;
+  result.end.free += mean;
+  result.end.p = (1.0 - theta) * step.from.v + theta * step.until.v;
+  result.end.v = VectorXd::Zero(size());
+  result.start.p = -result.end.p;
+  result.start.v = result.end.v;
+  for (const bool ends : {false, true}) {
+    ByTime& own = ends ? result.end : result.start;
+    if (outputs.write_times(ends, own.p, own.v))
+      refuse(step, ", with a vertex of surfaces that move, or rods to nodes that are moved");
+    for (VectorXd* each : {&own.free, &own.p, &own.v}) clear_pinned(*each);
+  }
+  const springnet_network& network = host.network();
+  for (std::uint32_t k = 0; k < nodes; ++k)
+    if (network.fixed[k] != 0) put_state(result.end.p, result.end.v, k, node_of(step.until.v, k), node_of(at_end_a, k));
+  begin_step(step);
+  return result;
+}
+
+// No time passes, unless its start and end change.
+void MotionDerivatives::Impl::pass_instant(const Step& step) {
+  const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+  const VectorXd a = accelerations(of, evaluation(step.from));
+  for (Index j = 0; j < dps.cols(); ++j) {
+    dps.col(j) += (end_moves[j] - start_moves[j]) * step.from.v;
+    dvs.col(j) += (end_moves[j] - start_moves[j]) * a;
+  }
+}
+
+// ---- events ---------------------------------------------------------------------------------------------------------
+
+EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
+  const LocatedEvent& event = *step.event;
+  const springnet_evaluation end = nodes_at(step.until);
+  EventCondition result;
+  result.by_position.setZero(size());
+  result.by_velocity.setZero(size());
+  host.begin_step(step.from.time, step.until.time);
+  if (!event.is_of_node()) {
+    const Topology::Rupturing& breaking = engine.topology().rupturing();
+    const bool is_spring = event.kind == LocatedEvent::Kind::spring_rupture;
+    const std::vector<std::uint32_t>& list = is_spring ? breaking.springs : breaking.elements;
+    const auto place = std::find(list.begin(), list.end(), event.index) - list.begin();
+    const auto number = static_cast<std::size_t>(place) + (is_spring ? 0 : breaking.springs.size());
+    result.by_values = learned.event_gradient(host, end, static_cast<std::uint32_t>(number), result.by_position.data(),
+                                              result.by_velocity.data(), result.by_time);
+    return result;
+  }
+  const Contact& contact = constraints->engine().model().contact;
+  const double h = std::max(step.until.time - step.from.time, share_of_step * time_step);
+  const learning::PlacedTime at{step.until.time, share_of_step * time_step,
+                                [&](double time) { return contact.at(just_before(time, h)); }};
+  const std::uint32_t k = event.index;
+  const auto own = constraints->is_rigid(k)
+                       ? std::nullopt
+                       : learning::condition_of(contact, at, event, node_of(accelerations(host, end), k));
+  if (!own) refuse(step, constraints->is_rigid(k) ? ", as the node is rigidly connected" : "");
+  put_state(result.by_position, result.by_velocity, k, own->by_position, own->by_velocity);
+  result.by_time = own->by_time;
+  if (own->by_acceleration.isZero(0.0)) return result;
+  VectorXd unused = VectorXd::Zero(size());
+  result.by_acceleration.setZero(size());
+  put_state(result.by_acceleration, unused, k, own->by_acceleration, Vector3::Zero());
+  host.linearise(end);
+  VectorXd by_position(size()), by_velocity(size());
+  host.jacobian_transposed_times(result.by_acceleration.data(), by_position.data(), by_velocity.data());
+  result.by_position += by_position;
+  result.by_velocity += by_velocity;
+  const double d = step.is_instant ? share_of_step * time_step
+                                   : std::min(0.5 * (step.until.time - step.from.time), share_of_step * time_step);
+  const auto later = [&](double by) {
+    springnet_evaluation then = end;
+    then.time += by;
+    host.begin_step(step.is_instant ? then.time : step.from.time, then.time);
+    return accelerations(host, then);
+  };
+  const VectorXd after = later(d), before = later(-d);
+  result.by_time += result.by_acceleration.dot(after - before) / (2.0 * d);
+  host.begin_step(step.from.time, step.until.time);
+  return result;
+}
+
+double MotionDerivatives::Impl::rate_of(const Step& step, const EventCondition& condition, const VectorXd& p,
+                                        const VectorXd& v) const {
+  const double result = condition.by_position.dot(p) + condition.by_velocity.dot(v) + condition.by_time;
+  const LocatedEvent::Kind kind = step.event->kind;
+  // The direction in which values cross 0.
+  const bool rises = kind == LocatedEvent::Kind::release || kind == LocatedEvent::Kind::quick;
+  const double towards = kind == LocatedEvent::Kind::seam ? std::abs(result) : rises ? result : -result;
+  if (!(towards > 0.0)) refuse(step, ", as its time has no derivative: it comes about without speed");
+  return result;
+}
+
+NodeJump MotionDerivatives::Impl::jump_of(const Step& step) {
+  if (!step.event->is_of_node()) return {};
+  const double h = std::max(step.until.time - step.from.time, share_of_step * time_step);
+  const Contact& contact = constraints->engine().model().contact;
+  const auto result = learning::jump_of(contact, *contact.at(just_before(step.until.time, h)), *step.event);
+  if (!result) refuse(step, "");
+  return *result;
+}
+
+// ---- forwards -------------------------------------------------------------------------------------------------------
+
+// With a column more, for a change of the time of its event alone.
+void MotionDerivatives::Impl::part_forwards(const Step& step) {
+  set_for_step(step.number);
+  if (step.event == nullptr && !step.starts_at_event) return step_forwards(step);
+  const Index columns = moved.size(), with = columns + (step.event != nullptr ? 1 : 0);
+  for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) {
+    each->conservativeResize(Eigen::NoChange, with);
+    each->rightCols(with - columns).setZero();
+  }
+  start_moves.setZero(with);
+  end_moves.setZero(with);
+  start_moves.head(columns) = moved;
+  if (step.event != nullptr) end_moves[columns] = 1.0;
+  if (step.is_instant)
+    pass_instant(step);
+  else
+    step_forwards(step);
+  start_moves.resize(0);
+  end_moves.resize(0);
+  moved.setZero();
+  if (step.event == nullptr) return;
+
+  const EventCondition condition = condition_of(step);
+  const VectorXd p = dps.col(columns), v = dvs.col(columns);
+  const double rate = rate_of(step, condition, p, v);
+  const NodeJump jump = jump_of(step);
+  for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) each->conservativeResize(Eigen::NoChange, columns);
+  for (Index j = 0; j < columns; ++j) {
+    double value = condition.by_position.dot(dps.col(j)) + condition.by_velocity.dot(dvs.col(j));
+    if (condition.by_values.size() > 0) value += condition.by_values.dot(changes.col(j));
+    if (condition.by_acceleration.size() > 0) {
+      other.setZero();
+      learned.tangent(engine, host, nodes_at(step.until), changes.col(j), other.data());
+      value += condition.by_acceleration.dot(other);
+    }
+    moved[j] = -value / rate;
+    dps.col(j) += moved[j] * p;
+    dvs.col(j) += moved[j] * v;
+    if (!step.event->is_of_node()) continue;
+    const std::uint32_t k = step.event->index;
+    const Vector6 own = state_of(dps.col(j), dvs.col(j), k);
+    put_state(dps.col(j), dvs.col(j), k, jump.by_state * own + jump.by_time * moved[j]);
+  }
+}
+
+// ---- backwards ------------------------------------------------------------------------------------------------------
+
+void MotionDerivatives::Impl::part_backwards(const Step& step) {
+  if (step.event == nullptr && !step.starts_at_event) return step_backwards(step);
+  if (step.event != nullptr) event_backwards(step);
+  if (!step.is_instant) return step_backwards(step);
+  set_for_step(step.number);
+  const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+  by_moved = -dp.dot(step.from.v) - dv.dot(accelerations(of, evaluation(step.from)));
+}
+
+// To derivatives by the end of the part as the event found it, from those by what the event left, and by its time.
+void MotionDerivatives::Impl::event_backwards(const Step& step) {
+  set_for_step(step.number);
+  double by_event = by_moved;
+  if (step.event->is_of_node()) {
+    const NodeJump jump = jump_of(step);
+    const Vector6 weights_of_node = state_of(dp, dv, step.event->index);
+    by_event += jump.by_time.dot(weights_of_node);
+    put_state(dp, dv, step.event->index, jump.by_state.transpose() * weights_of_node);
+  }
+  const VectorXd sums = learned.cotangent(VectorXd::Zero(size()));  // which the way forwards overwrites
+  dps.setZero(size(), 1);
+  dvs.setZero(size(), 1);
+  changes.setZero(static_cast<Index>(learned.count()), 1);
+  start_moves.setZero(1);
+  end_moves.setOnes(1);
+  if (step.is_instant)
+    pass_instant(step);
+  else
+    step_forwards(step);
+  start_moves.resize(0);
+  end_moves.resize(0);
+  learned.begin_cotangent();
+  learned.add_gradient(sums);
+  const VectorXd p = dps.col(0), v = dvs.col(0);
+  const EventCondition condition = condition_of(step);
+  const double rate = rate_of(step, condition, p, v);
+  by_event += p.dot(dp) + v.dot(dv);
+  const double share = -by_event / rate;
+  dp += share * condition.by_position;
+  dv += share * condition.by_velocity;
+  if (condition.by_values.size() > 0) learned.add_gradient(share * condition.by_values);
+  if (condition.by_acceleration.size() > 0) {
+    weights = share * condition.by_acceleration;
+    learned.add_cotangent(engine, host, nodes_at(step.until), weights.data());
+  }
+}
+
+}  // namespace springnet

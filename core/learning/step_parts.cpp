@@ -1,0 +1,179 @@
+#include "learning/step_parts.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "constraints/vectors.hpp"
+
+namespace springnet::learning {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Kind = LocatedEvent::Kind;
+
+Kind kind_of(ContactEvents::Source::Kind kind) {
+  using Source = ContactEvents::Source::Kind;
+  switch (kind) {
+    case Source::touch:
+      return Kind::touch;
+    case Source::release:
+      return Kind::release;
+    case Source::slip:
+      return Kind::slip;
+    case Source::rest:
+      return Kind::rest;
+    case Source::slow:
+      return Kind::slow;
+    case Source::quick:
+      return Kind::quick;
+    case Source::stall:
+      return Kind::stall;
+    default:
+      return Kind::seam;
+  }
+}
+
+void copy_state(const springnet_state& from, std::uint32_t nodes, VectorXd& p, VectorXd& v) {
+  p.resize(3 * Index{nodes});
+  v.resize(3 * Index{nodes});
+  const springnet_vectors* const arrays[] = {&from.position, &from.velocity};
+  VectorXd* const to[] = {&p, &v};
+  for (std::size_t half = 0; half < 2; ++half) {
+    double* next = to[half]->data();
+    for (const double* component : {arrays[half]->x, arrays[half]->y, arrays[half]->z})
+      next = std::copy_n(component, nodes, next);
+  }
+}
+
+Vector3 node_of(const VectorXd& of, std::uint32_t node) {
+  const Index n = of.size() / 3;
+  return {of[node], of[n + node], of[2 * n + node]};
+}
+
+}  // namespace
+
+void PartRecorder::step(Simulation& simulation, bool told) {
+  parts_.clear();
+  if (!divides_) {
+    simulation.step();
+    return;
+  }
+  fired_ = false;
+  tells_ = told;
+  const StepWatch::Scope scope(*this);
+  simulation.step();
+  if (parts_.size() == 1 && parts_.front().events.empty()) parts_.clear();
+  if (!parts_.empty())
+    for (VectorXd* each : {&parts_.back().p, &parts_.back().v, &parts_.back().z}) each->resize(0);
+}
+
+void PartRecorder::fires(Engine& engine, double, const State& state, const std::int32_t* fired) {
+  const Model& model = engine.model();
+  fired_ = true;
+  events_before_ = model.journal.events().size();
+  within_ = contacts_of(model.contact, model.node_count());
+  copy_state(state.view, model.node_count(), p_, v_);
+  by_sources_.clear();
+  ruptures_.clear();
+  const std::vector<ContactEvents::Source>& sources = engine.contact_events().sources();
+  for (std::size_t e = 0; e < sources.size(); ++e) {
+    if (fired[e] == 0) continue;
+    LocatedEvent event;
+    event.kind = kind_of(sources[e].kind);
+    event.index = sources[e].index;
+    event.surface = static_cast<std::int32_t>(sources[e].surface);
+    by_sources_.push_back(event);
+  }
+  const Topology::Rupturing& breaking = engine.topology().rupturing();
+  const auto add_rupture = [&](Kind kind, std::uint32_t index) {
+    LocatedEvent event;
+    event.kind = kind;
+    event.index = index;
+    ruptures_.push_back(event);
+  };
+  const std::int32_t* next = fired + sources.size();
+  for (const std::uint32_t spring : breaking.springs)
+    if (*next++ != 0) add_rupture(Kind::spring_rupture, spring);
+  for (const std::uint32_t element : breaking.elements)
+    if (*next++ != 0) add_rupture(Kind::element_rupture, element);
+  slips_.assign(within_.empty() ? 0 : model.node_count(), Vector3::Zero());
+  for (const auto& [node, touch] : within_) slips_[node] = model.contact.slip(node);
+}
+
+std::map<std::uint32_t, PartRecorder::Outcome> PartRecorder::outcomes(const Engine& engine) const {
+  std::map<std::uint32_t, Outcome> result;
+  const Model& model = engine.model();
+  const std::vector<Event>& events = model.journal.events();
+  for (std::size_t e = events_before_; e < events.size(); ++e) {
+    const Event& event = events[e];
+    if (event.surface < 0 || event.kind == Event::Kind::jammed) continue;
+    Outcome& own = result[model.layout.ordering().engine[event.index]];
+    if (event.kind == Event::Kind::touched) own.touched.push_back(event.surface);
+    if (event.kind == Event::Kind::released) own.released.push_back(event.surface);
+    own.slipped = own.slipped || event.kind == Event::Kind::slipped;
+    own.stuck = own.stuck || event.kind == Event::Kind::stuck;
+  }
+  return result;
+}
+
+// A touch may have others of these as its consequence, and a release that of friction.
+void PartRecorder::add_events_of_nodes(Engine& engine, StepPart& part) {
+  const Model& model = engine.model();
+  const springnet_state& now = model.state.view;
+  const std::map<std::uint32_t, Outcome> all = outcomes(engine);
+  const auto add = [&](Kind kind, std::uint32_t node, std::int32_t surface) {
+    LocatedEvent event;
+    event.kind = kind;
+    event.index = node;
+    event.surface = surface;
+    event.before = touch_of(within_, node);
+    event.after = model.contact.committed(node);
+    event.p = node_of(p_, node);
+    event.v = node_of(v_, node);
+    event.next_p = vector_at(now.position, node);
+    event.next_v = vector_at(now.velocity, node);
+    if (!slips_.empty()) event.slip = slips_[node];
+    part.events.push_back(event);
+  };
+  for (const auto& [node, own] : all) {
+    const Touch before = touch_of(within_, node);
+    if (!own.touched.empty()) {
+      add(own.touched.size() > 1 ? Kind::several : Kind::touch, node, own.touched.front());
+    } else if (!own.released.empty()) {
+      const auto fired = std::find_if(by_sources_.begin(), by_sources_.end(), [k = node](const LocatedEvent& each) {
+        return each.kind == Kind::release && each.index == k;
+      });
+      add(own.released.size() > 1 ? Kind::several : Kind::release, node,
+          fired == by_sources_.end() ? own.released.front() : fired->surface);
+    } else if (own.slipped || own.stuck) {
+      add(own.slipped ? Kind::slip : Kind::rest, node, before.surface);
+    }
+  }
+  // Those without a consequence for the contact divide the step, too.
+  for (std::size_t i = 0; i < by_sources_.size(); ++i) {
+    const LocatedEvent& own = by_sources_[i];
+    if (all.find(own.index) == all.end() && (i == 0 || by_sources_[i - 1].index != own.index))
+      add(own.kind, own.index, own.surface);
+  }
+}
+
+void PartRecorder::committed(Engine& engine, bool decided) {
+  const Model& model = engine.model();
+  StepPart& part = parts_.emplace_back();
+  part.time = model.time;
+  copy_state(model.state.view, model.node_count(), part.p, part.v);
+  part.z = Eigen::Map<const VectorXd>(model.state.view.internal, static_cast<Index>(model.state.internal_count));
+  if (fired_) {
+    if (!model.contact.obstacles().empty()) add_events_of_nodes(engine, part);
+    part.events.insert(part.events.end(), ruptures_.begin(), ruptures_.end());
+  } else if (!model.contact.obstacles().empty()) {
+    within_ = contacts_of(model.contact, model.node_count());
+  } else {
+    within_.clear();
+  }
+  fired_ = false;
+  if (tells_) told_({engine, part, within_, decided});
+}
+
+}  // namespace springnet::learning
