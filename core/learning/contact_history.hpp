@@ -39,8 +39,8 @@ class ContactHistory {
   void set_slips(std::size_t state, std::vector<Slipping> slips);
   [[nodiscard]] const std::vector<Slipping>& slips_at(std::size_t state) const;
 
-  // The contacts with which the step after a state begins: those committed there, and what a change from outside made of
-  // them (ruptures, loads that are switched).
+  // The contacts with which the step after a state begins: those committed there, and what a change from outside made
+  // of them (ruptures, loads that are switched).
   [[nodiscard]] const Touches& at(std::size_t state);
   // Those within the step that ends at a state.
   [[nodiscard]] std::vector<StepContact> within(std::size_t step);

@@ -21,6 +21,7 @@ namespace {
 using Kind = LearnedValues::Kind;
 
 constexpr std::size_t axes = 3;
+constexpr double part = 1e-4;  // of a load, by which it is changed for differences
 
 [[nodiscard]] bool is_of_nodes(Kind kind) { return member_name(kind, false) == "node"; }
 
@@ -364,7 +365,8 @@ std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::Vector
   return result;
 }
 
-// Loads are linear in their factors, and accelerations in forces.
+// Loads are linear in their factors, and accelerations in forces; but those of nodes that slide only as long as the
+// surface presses them. So differences are of a small part, which costs four digits of rounding.
 Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
                                      const Set& set, std::uint32_t place) {
   Loads& loads = engine.model().loads;
@@ -379,7 +381,7 @@ Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, cons
   if (set.what.kind == Kind::gravity) {
     const Vector3 before = loads.gravity();
     const Back back([&] { loads.set_gravity(before); });
-    const double size = std::max(1.0, before.norm());  // differences of its own size lose no digits
+    const double size = part * std::max(1.0, before.norm());
     loads.set_gravity(before + 0.5 * size * Vector3::Unit(place));
     const Eigen::VectorXd more = accelerations();
     loads.set_gravity(before - 0.5 * size * Vector3::Unit(place));
@@ -387,10 +389,11 @@ Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, cons
   }
   const double factor = loads.factor(place);
   const Back back([&] { loads.set_factor(place, factor); });
-  loads.set_factor(place, factor + 0.5);
+  const double size = part * std::max(1.0, std::abs(factor));
+  loads.set_factor(place, factor + 0.5 * size);
   const Eigen::VectorXd more = accelerations();
-  loads.set_factor(place, factor - 0.5);
-  return more - accelerations();
+  loads.set_factor(place, factor - 0.5 * size);
+  return (more - accelerations()) / size;
 }
 
 void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,

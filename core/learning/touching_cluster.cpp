@@ -183,7 +183,7 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
     }
     return false;
   };
-  ClusterDerivative result{MatrixXd::Zero(2 * size, 3 * size), MatrixXd::Zero(2 * size, nodes)};
+  ClusterDerivative result{MatrixXd::Zero(2 * size, 3 * size), MatrixXd::Zero(2 * size, nodes), {}};
   const double way = step_share * length, rate = way / step.h;
   for (Index k = 0; k < size; ++k) {
     if (!(given.mobility[k / 3] > 0.0)) continue;  // nothing of nodes whose motion is given changes
