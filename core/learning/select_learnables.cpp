@@ -96,23 +96,37 @@ struct Range {
 
 struct Of {
   Range springs, elements, nodes;
+  std::vector<bool> group{};  // [node] whether it is of the group; empty: of none
+  [[nodiscard]] bool has_node(std::uint32_t node) const { return group.empty() || group[node]; }
 };
 
+Of of_body(const Body& body) {
+  const auto range = [](std::size_t first, std::size_t count) { return Range{first, first + count}; };
+  return {range(body.first_spring, body.spring_count), range(body.first_element, body.element_count),
+          range(body.first_node, body.node_count)};
+}
+
+// "BODY", or "BODY/GROUP"; names may have a '/', too.
 Of members_of(const Network& network, const Selection& selection) {
   if (selection.body.empty())
     return {{0, network.springs().size()}, {0, network.elements().size()}, {0, network.nodes().size()}};
   std::vector<std::string> names;
   for (const Body& body : network.bodies()) {
-    if (body.name == selection.body) {
-      const auto range = [](std::size_t first, std::size_t count) { return Range{first, first + count}; };
-      return {range(body.first_spring, body.spring_count), range(body.first_element, body.element_count),
-              range(body.first_node, body.node_count)};
+    if (body.name == selection.body) return of_body(body);
+    for (const NodeGroup& group : body.groups) {
+      names.push_back(body.name + "/" + group.name);
+      if (names.back() != selection.body) continue;
+      Of result = of_body(body);
+      result.group.resize(network.nodes().size());
+      for (const NodeIndex node : group.nodes) result.group[node] = true;
+      return result;
     }
     names.push_back(body.name);
   }
+  const bool is_group = selection.body.find('/') != std::string_view::npos;
   const std::string nearest = suggestion(selection.body, names);
-  refuse(selection.text, fmt::format("there is no body '{}'{}{}", printable(std::string(selection.body)),
-                                     nearest.empty() ? "" : "; ", nearest));
+  refuse(selection.text, fmt::format("there is no {} '{}'{}{}", is_group ? "group" : "body",
+                                     printable(std::string(selection.body)), nearest.empty() ? "" : "; ", nearest));
 }
 
 template <class Takes>
@@ -126,10 +140,9 @@ std::vector<std::uint32_t> list(const Range& range, const Takes& takes) {
 constexpr std::string_view grammar =
     "write spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME, rest_length, "
     "reference, "
-    "mass, velocity, load or gravity, then @BODY for one body alone, and :together for one value of all, or "
-    ":field=DEGREE for a "
-    "smooth "
-    "field";
+    "mass, velocity, load or gravity, then @BODY for one body or @BODY/GROUP for one group of it alone, and :together "
+    "for "
+    "one value of all, or :field=DEGREE for a smooth field";
 
 // "load", or "load@2" for one, by its number.
 std::vector<std::uint32_t> loads_of(const Network& network, const Selection& selection) {
@@ -184,6 +197,14 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
   }
   const Of of = members_of(network, selection);
   const auto moves = [&](std::uint32_t node) { return !network.nodes()[node].fixed; };
+  // Springs and elements of a group have all of their nodes in it.
+  const auto has = [&](std::uint32_t member) {
+    if (of.group.empty()) return true;
+    if (!values.of_elements)
+      return of.has_node(network.springs()[member].first) && of.has_node(network.springs()[member].second);
+    const std::vector<NodeIndex>& nodes = network.elements()[member].nodes;
+    return std::all_of(nodes.begin(), nodes.end(), [&](NodeIndex node) { return of.has_node(node); });
+  };
   std::string_view rest = selection.what;
   const auto starts = [&](std::string_view with) {
     if (!rest.starts_with(with)) return false;
@@ -194,17 +215,17 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
     values.kind = rest == "mass" ? Kind::mass : Kind::initial_velocity;
     // Of a fixed node only reactions tell the mass, by its weight; where it has that of others, it follows them.
     const bool of_all = values.kind == Kind::mass && (result.together || result.field_degree >= 0);
-    values.members = list(of.nodes, [&](std::uint32_t node) { return of_all || moves(node); });
+    values.members = list(of.nodes, [&](std::uint32_t node) { return of.has_node(node) && (of_all || moves(node)); });
   } else if (rest == "rest_length" || rest == "reference") {
     values.kind = Kind::rest_length;
     values.of_elements = rest == "reference";
-    values.members = list(values.of_elements ? of.elements : of.springs, [](std::uint32_t) { return true; });
+    values.members = list(values.of_elements ? of.elements : of.springs, has);
   } else if (starts("neuron.")) {
     values.kind = Kind::neuron_parameter;
     values.parameter = rest;
     Declared declared(plugins, ComponentKind::neuron, rest);
     values.members = list(of.nodes, [&](std::uint32_t node) {
-      return moves(node) && declared.has(network.neurons()[network.nodes()[node].neuron]);
+      return of.has_node(node) && moves(node) && declared.has(network.neurons()[network.nodes()[node].neuron]);
     });
     if (values.members.empty()) declared.none(text, "these neurons");
   } else {
@@ -218,7 +239,7 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
       const MaterialIndex material =
           values.of_elements ? network.elements()[member].material : network.springs()[member].material;
       const Material& both = network.materials()[material];
-      return declared.has(is_spring ? both.spring : both.viscosity);
+      return declared.has(is_spring ? both.spring : both.viscosity) && has(member);
     });
     if (values.members.empty()) declared.none(text, values.of_elements ? "these elements" : "these springs");
   }

@@ -34,8 +34,8 @@ surface); an empty cell is missing, 'weight' or a standard deviation 's' weighs 
 
 WHAT is spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME (parameters that a law or
 neuron declares learnable), rest_length, reference, mass, velocity, load or gravity; @BODY takes one body alone,
-:together one value for all, :field=2 a smooth field of second degree; load@2 is the third [[force]], gravity@z one
-component.
+@BODY/GROUP a group of its nodes, :together one value for all, :field=2 a smooth field of second degree; load@2 is the
+third [[force]], gravity@z one component.
 
 Files in the output folder:
   learned.toml      the scene with the values that were learned

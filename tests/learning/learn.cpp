@@ -275,6 +275,34 @@ TEST_CASE("what is learned is selected by text") {
   CHECK(has(refused("neuron.drag"), "no law of these neurons has a parameter 'drag'"));
 }
 
+TEST_CASE("a group of a body is selected with the springs and elements that have all of their nodes in it") {
+  Network net;
+  net.begin_body("rope/1");
+  for (int k = 0; k < 5; ++k) net.add_node(point({static_cast<double>(k), 0, 0}));
+  const MaterialIndex soft = net.add_material(damped(20.0, 1.0));
+  for (NodeIndex k = 0; k < 4; ++k) net.add_spring(k, k + 1, soft);
+  net.add_element(Invariant::angle, {1, 2, 3}, soft, 3.0);
+  net.add_element(Invariant::angle, {0, 1, 2}, soft, 3.0);
+  net.add_group("middle/part", {1, 2, 3});
+  net.add_group("end", {0});
+  net.end_body();
+  net.fix(2);
+  const auto members = [&](const std::string& text) { return select_learnable(net, *plugins(), text).values.members; };
+  using Members = std::vector<std::uint32_t>;
+  CHECK(members("spring.stiffness@rope/1") == Members{0, 1, 2, 3});
+  CHECK(members("spring.stiffness@rope/1/middle/part") == Members{1, 2});
+  CHECK(members("viscosity.damping@rope/1/middle/part:together") == Members{1, 2});
+  CHECK(members("rest_length@rope/1/middle/part") == Members{1, 2});
+  CHECK(members("element.spring.stiffness@rope/1/middle/part") == Members{0});
+  CHECK(members("reference@rope/1/middle/part") == Members{0});
+  CHECK(members("mass@rope/1/middle/part") == Members{1, 3});
+  CHECK(members("mass@rope/1/end") == Members{0});
+  const auto refused = [&](const std::string& text) { return refusal_of([&] { static_cast<void>(members(text)); }); };
+  CHECK(refused("mass@rope/1/midle").find("there is no group 'rope/1/midle'") != std::string::npos);
+  CHECK(refused("mass@rope").find("there is no body 'rope'") != std::string::npos);
+  CHECK_FALSE(refused("rest_length@rope/1/end").empty());
+}
+
 TEST_CASE("observations and starts that do not fit are refused") {
   const Network net = oscillator(damped(8.0, 0.2), 2.0, 0.1);
   const auto refused = [&](Observations seen, std::vector<Learnable> learnables) {
