@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 #include <springnet/sdk/law/jacobian.hpp>
 
@@ -38,49 +37,50 @@ class InputValues {
   double now_[max_inputs][states_batch], start_[max_inputs][states_batch];
 };
 
-// The pointers of a call to a law over several scalars.
+// The pointers of a call to a law over several scalars. Nothing of it is initialised before begin(): it is large, and
+// most laws have no use for it.
 class SeveralCall {
  public:
-  SeveralCall(const Law& law, const SeveralInputs& inputs, const LawOutputs& out)
-      : law_(law),
-        inputs_(inputs),
-        out_(out),
-        layout_{law.scalar_count, law.parameter_count, law.state_count, law.input_count} {
+  void begin(const Law& law, const SeveralInputs& inputs, const LawOutputs& out) {
+    law_ = &law;
+    inputs_ = &inputs;
+    out_ = &out;
+    layout_ = jacobian_of(law);
     if (out.several_tangent) std::fill_n(matrix_.begin(), layout_.rows() * layout_.columns(false), nullptr);
   }
   // From member `begin` on.
   void set(std::size_t begin, springnet_law_batch& batch) {
     const auto at = [begin](auto* array) { return array == nullptr ? nullptr : array + begin; };
-    for (std::size_t i = 0; i < law_.scalar_count; ++i) {
-      const std::size_t s = law_.scalar[i];
-      reference_[i] = at(inputs_.reference[s]);
+    for (std::size_t i = 0; i < law_->scalar_count; ++i) {
+      const std::size_t s = law_->scalar[i];
+      reference_[i] = at(inputs_->reference[s]);
       value_[i] = rate_[i] = nullptr;
       force_[i] = nullptr;
-      if (!law_.reads[i]) continue;
-      value_[i] = at(inputs_.value[s]);
-      if (law_.reads_rate) rate_[i] = at(inputs_.rate[s]);
-      if (out_.several != nullptr) force_[i] = at(out_.several->force[s]);
-      for (std::size_t j = 0; out_.several_tangent && j < law_.scalar_count; ++j) {
-        if (!law_.reads[j]) continue;
-        const std::size_t from = max_scalars * s + law_.scalar[j];
+      if (!law_->reads[i]) continue;
+      value_[i] = at(inputs_->value[s]);
+      if (law_->reads_rate) rate_[i] = at(inputs_->rate[s]);
+      if (out_->several != nullptr) force_[i] = at(out_->several->force[s]);
+      for (std::size_t j = 0; out_->several_tangent && j < law_->scalar_count; ++j) {
+        if (!law_->reads[j]) continue;
+        const std::size_t from = max_scalars * s + law_->scalar[j];
         double** const row = matrix_.data() + layout_.force(i) * layout_.columns(false);
-        row[layout_.value(j)] = at(out_.several->by_value[from]);
-        row[layout_.rate(j)] = law_.reads_rate ? at(out_.several->by_rate[from]) : nullptr;
+        row[layout_.value(j)] = at(out_->several->by_value[from]);
+        row[layout_.rate(j)] = law_->reads_rate ? at(out_->several->by_rate[from]) : nullptr;
       }
     }
-    for (std::size_t c = 0; c < 3; ++c) direction_[c] = at(inputs_.direction[c]);
+    for (std::size_t c = 0; c < 3; ++c) direction_[c] = at(inputs_->direction[c]);
     batch.values = value_;
-    batch.rates = law_.reads_rate ? rate_ : nullptr;
+    batch.rates = law_->reads_rate ? rate_ : nullptr;
     batch.references = reference_;
-    batch.direction = law_.reads_direction ? direction_ : nullptr;
+    batch.direction = law_->reads_direction ? direction_ : nullptr;
     batch.forces = force_;
-    batch.derivatives = out_.several_tangent ? matrix_.data() : nullptr;
+    batch.derivatives = out_->several_tangent ? matrix_.data() : nullptr;
   }
 
  private:
-  const Law& law_;
-  const SeveralInputs& inputs_;
-  const LawOutputs& out_;
+  const Law* law_;
+  const SeveralInputs* inputs_;
+  const LawOutputs* out_;
   sdk::JacobianLayout layout_;
   const double *value_[max_scalars], *rate_[max_scalars], *reference_[max_scalars], *direction_[3];
   double* force_[max_scalars];
@@ -125,8 +125,8 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
   batch.time = time;
   batch.parameters = parameters;
   batch.parameter_strides = strides;
-  std::optional<SeveralCall> several;
-  if (law.scalar_count > 0) several.emplace(law, *laws.several, out);
+  SeveralCall several;
+  if (law.scalar_count > 0) several.begin(law, *laws.several, out);
   if (law.prepared) batch.table = law.prepared->data();
 
   for (std::size_t begin = 0; begin < count; begin += batch_size) {
@@ -156,8 +156,8 @@ springnet_status evaluate_law(const LawBatch& laws, const Law& law, std::uint32_
     for (std::size_t k = 0; k < law.parameter_count; ++k)
       parameters[k] = column(law.first_column + k, k + 1, strides[k]);
     batch.count = static_cast<std::uint32_t>(size);
-    if (several) {
-      several->set(begin, batch);
+    if (law.scalar_count > 0) {
+      several.set(begin, batch);
     } else {
       batch.q = q + begin;
       batch.rate = rate == nullptr ? nullptr : rate + begin;

@@ -355,19 +355,19 @@ void Layout::take_over(const Layout& before, const NumbersBefore& numbers) {
 }
 
 // A spring or element in an archive: the values of its row; of inputs the number of a signal, or the value of a private
-// one.
+// one. They are in memory of all rows.
 struct Layout::ChangedRow {
   std::uint32_t number = 0;
-  std::vector<double> values;              // [column]
-  std::vector<std::uint8_t> is_private{};  // [column]
+  double* values = nullptr;            // [column]
+  std::uint8_t* is_private = nullptr;  // [column]
+  std::size_t count = 0;               // of its columns
   std::shared_ptr<const Prepared> prepared[2];
 };
 
 void Layout::archive_row(Archive& archive, ChangedRow& changed, std::uint32_t first_group) const {
   const Group& group = laws_.groups[first_group];
-  changed.values.resize(group.columns.size());
-  changed.is_private.resize(group.columns.size());
-  for (std::size_t c = 0; c < group.columns.size(); ++c) {
+  changed.count = group.columns.size();
+  for (std::size_t c = 0; c < changed.count; ++c) {
     double& value = changed.values[c];
     const bool is_input = c >= group.spring.first_input_column;
     bool own = is_input && is_private(value);
@@ -398,7 +398,7 @@ void Layout::take_up_row(const ChangedRow& changed, bool of_element) {
   };
   for (std::size_t law = 0; law < 2; ++law)
     if (changed.prepared[law]) set({0, changed.values[0], law, changed.prepared[law]});
-  for (std::size_t c = 0; c < changed.values.size(); ++c) {
+  for (std::size_t c = 0; c < changed.count; ++c) {
     const double value =
         changed.is_private[c] != 0 ? static_cast<double>(signals().add_constant(changed.values[c])) : changed.values[c];
     set({c, value});
@@ -410,19 +410,32 @@ bool Layout::archive_changes(Archive& archive) {
     if (!original_) return of_element ? laws_.element_group[number] : laws_.group[number];
     return of_element ? original_->element_group[number] : original_->group[number];
   };
-  const auto list = [&](std::size_t count, bool of_element) {
+  std::size_t most_columns = 0;
+  for (const Group& group : laws_.groups) most_columns = std::max(most_columns, group.columns.size());
+  struct Rows {
     std::vector<ChangedRow> rows;
+    std::vector<double> values;            // [row][column]
+    std::vector<std::uint8_t> is_private;  // likewise
+  };
+  const auto list = [&](std::size_t count, bool of_element) {
+    Rows all;
+    std::vector<ChangedRow>& rows = all.rows;
     for (std::uint32_t i = 0; i < count && original_; ++i) {
       const std::uint32_t group = of_element ? laws_.element_group[i] : laws_.group[i];
       const std::uint32_t row = of_element ? laws_.element_row[i] : laws_.row[i];
       if (row < laws_.groups[group].first_rows) continue;
-      ChangedRow& changed = rows.emplace_back();
-      changed.number = i;
-      for (const Column<double>& column : laws_.groups[group].columns) changed.values.push_back(column[row]);
+      rows.emplace_back().number = i;
+      for (const Column<double>& column : laws_.groups[group].columns) all.values.push_back(column[row]);
+      all.values.resize(most_columns * rows.size());
     }
     rows.resize(archive.count(rows.size(), sizeof(std::uint32_t), "changed springs or elements"));
     if (rows.size() > count) Archive::refuse("more springs or elements were changed than there are");
+    all.values.resize(most_columns * rows.size());
+    all.is_private.resize(all.values.size());
     for (ChangedRow& row : rows) {
+      const std::size_t begin = static_cast<std::size_t>(&row - rows.data()) * most_columns;
+      row.values = all.values.data() + begin;
+      row.is_private = all.is_private.data() + begin;
       archive.below(row.number, count, of_element ? "an element" : "a spring");
       const std::uint32_t first = group_at_first(row.number, of_element);
       archive_row(archive, row, first);
@@ -431,9 +444,8 @@ bool Layout::archive_changes(Archive& archive) {
       for (std::size_t law = 0; law < 2; ++law) {
         const Law& own = *group.laws()[law];
         if (!own.prepared) continue;
-        const std::vector<double> parameters(
-            row.values.begin() + static_cast<std::ptrdiff_t>(own.first_column),
-            row.values.begin() + static_cast<std::ptrdiff_t>(own.first_column + own.parameter_count));
+        const std::vector<double> parameters(row.values + own.first_column,
+                                             row.values + own.first_column + own.parameter_count);
         const std::uint32_t at = original_
                                      ? (of_element ? original_->element_row[row.number] : original_->row[row.number])
                                      : (of_element ? laws_.element_row[row.number] : laws_.row[row.number]);
@@ -443,10 +455,10 @@ bool Layout::archive_changes(Archive& archive) {
         if (is_other) row.prepared[law] = prepared_.of(own.component, parameters, own.tables);
       }
     }
-    return rows;
+    return all;
   };
-  const std::vector<ChangedRow> springs = list(spring_count(), false);
-  const std::vector<ChangedRow> elements = list(elements_.count(), true);
+  const Rows of_springs = list(spring_count(), false), of_elements = list(elements_.count(), true);
+  const std::vector<ChangedRow>&springs = of_springs.rows, &elements = of_elements.rows;
 
   struct Neuron {
     std::uint32_t node = 0;

@@ -428,7 +428,18 @@ void LearnedSets::begin_cotangent() {
 void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
                                 double* internal_weights) {
   const std::vector<sdk::Host::ParameterSet> sets = host_sets();
-  if (!sets.empty()) host.parameter_cotangent(at, sets, {nullptr, weights, internal_weights});
+  // Of values that accelerations depend on by forces alone these are enough, with the derivatives at hand.
+  const bool by_forces = engine.model().contact.obstacles().empty() && !engine.model().rigid.any() &&
+                         std::none_of(sets_.begin(), sets_.end(), [](const Set& set) {
+                           return set.what.kind == Kind::mass || set.what.kind == Kind::neuron_parameter;
+                         });
+  if (by_forces && !sets.empty()) {
+    force_weights_.resize(3 * std::size_t{host.network().node_count});
+    engine.linear().matrices().force_weights(weights, force_weights_.data());
+    host.parameter_cotangent(at, sets, {force_weights_.data(), nullptr, internal_weights});
+  } else if (!sets.empty()) {
+    host.parameter_cotangent(at, sets, {nullptr, weights, internal_weights});
+  }
   for (Set& set : sets_)
     for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
       set.values[set.places[i]] +=
@@ -438,22 +449,25 @@ void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const spr
 
 Eigen::VectorXd LearnedSets::event_gradient(const sdk::Host& host, const springnet_evaluation& at, std::uint32_t event,
                                             double* by_position, double* by_velocity, double& by_time) {
-  std::vector<std::vector<double>> sums;
+  std::vector<std::pair<std::vector<double>, std::vector<double>>> before;
   for (Set& set : sets_) {
-    sums.push_back(set.values);
+    before.emplace_back(set.values, std::exchange(set.sums, {}));
     std::fill(set.values.begin(), set.values.end(), 0.0);
   }
   by_time = host.event_derivative(at, event, by_position, by_velocity, host_sets());
   const Eigen::VectorXd result =
       cotangent(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(host.network().node_count)));
-  for (std::size_t i = 0; i < sums.size(); ++i) sets_[i].values = std::move(sums[i]);
+  for (std::size_t i = 0; i < before.size(); ++i) std::tie(sets_[i].values, sets_[i].sums) = std::move(before[i]);
   return result;
 }
 
 void LearnedSets::add_gradient(const Eigen::VectorXd& by_values) {
-  for (Set& set : sets_)
-    for (std::size_t i = 0; !set.is_velocity() && i < set.places.size(); ++i)
-      set.values[set.places[i]] += by_values[static_cast<Eigen::Index>(set.first + i)];
+  for (Set& set : sets_) {
+    if (set.is_velocity()) continue;
+    set.sums.resize(set.places.size(), 0.0);
+    for (std::size_t i = 0; i < set.places.size(); ++i)
+      set.sums[i] += by_values[static_cast<Eigen::Index>(set.first + i)];
+  }
 }
 
 Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const {

@@ -43,7 +43,7 @@ class LearnedSets {
   // wanted.
   void tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
                double* accelerations, double* internal = nullptr);
-  // Adds (da/d(values))^T weights, to zeros at first; of internal states likewise.
+  // Adds (da/d(values))^T weights, to zeros at first; of internal states likewise. The host has been linearised there.
   void begin_cotangent();
   void add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
                      double* internal_weights = nullptr);
@@ -98,6 +98,7 @@ class LearnedSets {
   Vector3 gravity_;  // of the network
   std::vector<Set> sets_;
   std::size_t count_ = 0;
+  std::vector<double> force_weights_;  // [3 node]
 };
 
 }  // namespace springnet::learning

@@ -27,6 +27,7 @@
 #include "learning/step_constraints.hpp"
 #include "learning/step_parts.hpp"
 #include "learning/step_solver.hpp"
+#include "learning/straight_angles.hpp"
 #include "learning/trajectory.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/host_table.hpp"
@@ -66,15 +67,15 @@ struct MotionDerivatives::Impl {
         locates(learning::option(options.integrator, "events", 0.0) != 0.0),
         recorder(locates, [this](const learning::PartRecorder::Committed& committed) { take_part(committed); }),
         trajectory(
-            simulation, [this](State& to) { record(to); }, recorder),
+            simulation, [this](State& to) { record(to); }, recorder, locates || !net->changes().empty()),
         time_step(options.time_step),
         engine(net->without_constraints(), *plugins, options),
         table(make_host_table(engine)),
         host(table),
-        solver(host),
+        solver(engine, host),
         theta(learning::option(options.integrator, "theta", 1.0)),
         internal(engine, theta),
-        same_at_both(learning::have_no_jumps(*net) && !internal.any()),
+        same_at_both(net->inputs().empty() && !internal.any()),
         removals(engine),
         scene_changes(*net, engine, learned),
         steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
@@ -167,6 +168,7 @@ struct MotionDerivatives::Impl {
     decided.clear();
   }
   void run(const Eigen::VectorXd& values);
+  void check_start(const State& start);
   void record(State& to) const;
   [[nodiscard]] State present() const {
     State result;
@@ -184,6 +186,7 @@ struct MotionDerivatives::Impl {
   void step_forwards(const Step& step);
   void add_internal_at_start(const sdk::Host& of, const springnet_evaluation& start, double weight);
   void step_backwards(const Step& own);
+  void begin_backwards(const Step& own);
   // Parts of divided steps: see motion_parts.cpp.
   void take_part(const learning::PartRecorder::Committed& committed);
   [[nodiscard]] std::size_t take_contacts(const learning::PartRecorder::Committed& committed, std::size_t first);
@@ -199,9 +202,8 @@ struct MotionDerivatives::Impl {
                                const Eigen::VectorXd& v) const;
   [[noreturn]] void refuse(const learning::LocatedEvent& event, double time, const std::string& what) const;
   [[noreturn]] void refuse(const Step& step, const std::string& what) const;
-  void add_start(const sdk::Host& of);
   void start_backwards(const State& at, std::size_t number, double until);
-  void guess_backwards();
+  void guess_weights();
   void set_engines(const Eigen::VectorXd& values);
   void set_for_step(std::size_t until);
   void find_outputs(const Step& step);
@@ -246,9 +248,10 @@ struct MotionDerivatives::Impl {
   Eigen::VectorXd dp, dv;          // the change of a state, or derivatives of the loss by it
   Eigen::VectorXd rhs, product, other, solution, work;
   Eigen::VectorXd weights;                  // of the accelerations at a state
-  std::deque<Eigen::VectorXd> solved;       // backwards: of the last steps
+  std::deque<Eigen::VectorXd> solved;       // of those, backwards: of the last steps
   Eigen::VectorXd pending;                  // those that the step after a state has for its start; empty: none
   double pending_until = 0.0;               // s: the end of that step
+  std::uint64_t pending_loads = 0;          // the engine's revision of loads in that step
   Eigen::MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
   Eigen::MatrixXd dps_before, dvs_before;   // at the start of the step made last
   // Parts: how many there are before each step that was made, and in all; those whose contacts sweeps have decided.

@@ -9,18 +9,8 @@ namespace springnet {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What a step has for the accelerations at its start, at the derivatives of that state which are at hand. dp and dv are
-// derivatives by this state.
-void MotionDerivatives::Impl::add_start(const sdk::Host& of) {
-  of.jacobian_transposed_times(pending.data(), product.data(), other.data(), SPRINGNET_TRUE_FRICTION);
-  if (&of != &host) constraints->add_carried_transposed(pending, product);
-  dp += product;
-  dv += other;
-  weights += pending;
-  pending.resize(0);
-}
-
-// at: of the step that ends at `until`, s, and that begins where the part of this number ends.
+// What the step after a state has for the accelerations at its start; dp and dv are derivatives by this state. at: of
+// the step that ends at `until`, s, and that begins where the part of this number ends.
 void MotionDerivatives::Impl::start_backwards(const State& at, std::size_t number, double until) {
   const springnet_evaluation start = evaluation(at);
   const sdk::Host& of = host_at_start(number, at.time, until);
@@ -33,57 +23,76 @@ void MotionDerivatives::Impl::start_backwards(const State& at, std::size_t numbe
     }
     internal.weigh_accelerations(start, work);
   }
-  weights.setZero(size());
-  add_start(of);
-  learned.add_cotangent(engine_of(of), of, start, weights.data());
+  of.jacobian_transposed_times(pending.data(), product.data(), other.data(), SPRINGNET_TRUE_FRICTION);
+  if (&of != &host) constraints->add_carried_transposed(pending, product);
+  dp += product;
+  dv += other;
+  learned.add_cotangent(engine_of(of), of, start, pending.data());
+  pending.resize(0);
 }
 
-// The solutions of the steps after this one go on, nearly.
-void MotionDerivatives::Impl::guess_backwards() {
-  while (solved.size() > 2) solved.pop_front();
-  if (solved.empty())
-    solution.setZero();
-  else
-    solution = solved.size() == 1 ? solved.back() : VectorXd(2.0 * solved.back() - solved.front());
-}
-
-void MotionDerivatives::Impl::step_backwards(const Step& own) {
-  // The accelerations at the start of the next step may have other loads, states, springs or contacts than those at the
-  // end of this one.
+// Those of the next step may have other states, springs, contacts or loads than those at the end of this one.
+void MotionDerivatives::Impl::begin_backwards(const Step& own) {
   if (pending.size() > 0 && (!same_at_both || removals.any_at(own.number) || scene_changes.any_at(own.number) ||
                              is_constrained_at(own.number)))
     start_backwards(own.until, own.number, pending_until);
   set_for_step(own.number);
-  const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
-  weights.setZero(size());
   begin_step(own);
+  if (pending.size() > 0 && engine.model().load_revision != pending_loads) {
+    start_backwards(own.until, own.number, pending_until);
+    begin_step(own);
+  }
+}
+
+// Those of the steps after this one go on, nearly.
+void MotionDerivatives::Impl::guess_weights() {
+  while (solved.size() > 2) solved.pop_front();
+  if (solved.empty())
+    weights.setZero(size());
+  else if (solved.size() == 1)
+    weights = solved.back();
+  else
+    weights = 2.0 * solved.back() - solved.front();
+}
+
+// With J the derivatives of the accelerations at the end of a step, x the solution of its transposed system and
+// `pending` what the next step has for the same accelerations, their weights are m = w x + pending. With F the
+// transpose of how outputs follow the velocities without constraints,
+//   x = F(dp, dv) + F(J^T m),   m - w F(J^T m) = w F(dp, dv) + pending.
+void MotionDerivatives::Impl::step_backwards(const Step& own) {
+  begin_backwards(own);
+  const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
   find_outputs(own);
   ByTime by_start;
   if (own.starts_at_event) by_start = find_times(own).start;
   solver.prepare(end, own.w, 1, &outputs);
-  if (pending.size() > 0) add_start(host);
   internal.weigh_end(end, dp, dv);
   clear_pinned(dp);
   clear_pinned(dv);
   outputs.to_free(dp, dv, rhs);
+  rhs *= own.w;
+  if (pending.size() > 0) rhs += pending;
   clear_pinned(rhs);
-  guess_backwards();
-  solver.solve_transposed(rhs, accuracy, solution, product, other);
-  solved.push_back(solution);
-  weights += own.w * solution;
+  guess_weights();
+  solver.solve_transposed(rhs, accuracy, weights, product, other);
+  solved.push_back(weights);
   learned.add_cotangent(engine, host, end, weights.data(), internal.weights());
-  product = dp + own.w * product;
-  other = dv + own.w * other;
-  by_moved = own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) : 0.0;
+  product += dp;
+  other += dv;
   if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
+  outputs.to_free(product, other, solution);
+  clear_pinned(solution);
+  by_moved = own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) : 0.0;
   outputs.to_start(product, other, dp, dv);
   dv += solution;
-  internal.weigh_start(start, end, own.w * solution, dp, dv);
+  internal.weigh_start(start, end, weights, dp, dv);
   clear_pinned(dp);
   clear_pinned(dv);
+  pending.resize(0);
   if (own.c > 0.0) {
     pending = own.c * solution;
     pending_until = own.until.time;
+    pending_loads = engine.model().load_revision;
   }
   // An event is between this start and the end before it.
   if (own.starts_at_event && pending.size() > 0) start_backwards(own.from, own.number - 1, pending_until);
@@ -92,6 +101,7 @@ void MotionDerivatives::Impl::step_backwards(const Step& own) {
 VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
   learned.begin_cotangent();
   solved.clear();
+  solver.begin();
   dp.setZero();
   dv.setZero();
   internal.begin_weights();

@@ -1,7 +1,5 @@
 #include "learning/motion_checks.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -21,14 +19,6 @@ void check_method(const LawUse& integrator) {
     refuse(fmt::format("the integrator is '{}'; only steps of 'recurrent' are differentiated", integrator.id));
   if (option(integrator, "sweeps", 0.0) != 0.0)
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
-}
-
-bool have_no_jumps(const Network& network) {
-  const auto stays = [](const Load& load) {
-    return load.faces.empty() && load.course.times.empty() && load.course.frequency == 0.0 && load.course.ramp == 0.0 &&
-           std::isinf(load.from) && std::isinf(load.until);
-  };
-  return network.inputs().empty() && std::all_of(network.loads().begin(), network.loads().end(), stays);
 }
 
 }  // namespace springnet::learning

@@ -11,8 +11,4 @@ namespace springnet::learning {
 // Throws Error(input) for what cannot be differentiated.
 void check_method(const LawUse& integrator);
 
-// Whether derivatives of accelerations at a time do not depend on the step: loads are averaged over each, and
-// derivatives by masses have them; input signals may jump.
-[[nodiscard]] bool have_no_jumps(const Network& network);
-
 }  // namespace springnet::learning

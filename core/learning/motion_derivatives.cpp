@@ -59,8 +59,21 @@ void MotionDerivatives::Impl::begin(const VectorXd& values) {
 void MotionDerivatives::Impl::run(const VectorXd& values) {
   learned.check(values);
   begin(values);
+  const State start = present();
   trajectory.run(steps, [this](std::size_t state) { check_step(state); });
   set_engines(values);
+  check_start(start);
+}
+
+// Accelerations at the start are read by steps of second order alone, and depend on what is learned by velocities.
+void MotionDerivatives::Impl::check_start(const State& start) {
+  if (theta == 1.0) return;
+  std::vector<std::uint32_t> moving = learned.with_start_velocities();
+  for (std::uint32_t& node : moving) node = engine.model().layout.ordering().engine[node];
+  const std::size_t n = nodes;
+  const double *const p = start.p.data(), *const v = start.v.data();
+  if (!moving.empty())
+    learning::check_straight_angles(engine, start.time, {p, p + n, p + 2 * n, v, v + n, v + 2 * n}, moving);
 }
 
 // The engines as they are in the step that ends at a state; 0: at the start.

@@ -125,6 +125,7 @@ void MotionDerivatives::Impl::begin_steps(const VectorXd& values, const MatrixXd
   dps_before = dps;
   dvs_before = dvs;
   trajectory.hold(present(), present());
+  check_start(trajectory.at(0));
 }
 
 void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& directions) {

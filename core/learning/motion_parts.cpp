@@ -412,6 +412,7 @@ void MotionDerivatives::Impl::event_backwards(const Step& step) {
   if (condition.by_values.size() > 0) learned.add_gradient(share * condition.by_values);
   if (condition.by_acceleration.size() > 0) {
     weights = share * condition.by_acceleration;
+    host.linearise(nodes_at(step.until));
     learned.add_cotangent(engine, host, nodes_at(step.until), weights.data());
   }
 }

@@ -18,6 +18,9 @@ constexpr int steps_until_tried = 20;
 // The host's solver need not be more accurate than what it leaves even if it is exact; and it may be better in steps to
 // come.
 constexpr double loosest_inner = 0.03, tightest_inner = 1e-4, forgetting = 0.5;
+// Steps that a system is kept for, while it takes at most so many iterations more than at first.
+constexpr int most_steps_kept = 10;
+constexpr Eigen::Index more_iterations = 1;
 // A factorisation takes as long as so many solutions by iteration, in nets of up to so many nodes.
 constexpr Eigen::Index solutions_worth_factors = 20;
 constexpr std::size_t most_nodes_factorised = 1000;
@@ -30,13 +33,17 @@ void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index 
   const std::size_t n = network.node_count;
   mass_.resize(3 * n);
   pinned_.resize(3 * n);
-  for (std::size_t i = 0; i < 3 * n; ++i) {
-    mass_[i] = network.mass[i % n];
-    pinned_[i] = network.fixed[i % n] | network.held[i % n];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < n; ++k) {
+      mass_[axis * n + k] = network.mass[k];
+      pinned_[axis * n + k] = network.fixed[k] | network.held[k];
+    }
   }
+  at_ = at;
   w_ = w;
   outputs_ = outputs != nullptr && outputs->any() ? outputs : nullptr;
-  factorised_ = prepared_ = false;
+  factorised_ = has_system_ = false;
+  ++age_;
   if (prepared_steps_ > 0) --prepared_steps_;
   host_.linearise(at);
   if (solutions >= solutions_worth_factors && n <= most_nodes_factorised && outputs_ == nullptr) {
@@ -44,6 +51,27 @@ void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index 
     factorised_ = true;
   }
   for (VectorXd* each : {&work_, &other_, &by_position_, &by_velocity_}) each->resize(static_cast<Eigen::Index>(3 * n));
+}
+
+void StepSolver::begin() noexcept {
+  may_keep_ = false;
+  prepared_steps_ = 0;
+  mismatch_ = transposed_mismatch_ = 0.0;
+}
+
+void StepSolver::prepare_system(bool anew) {
+  if (has_system_ && !anew) return;
+  has_system_ = true;
+  if (!anew && may_keep_ && age_ <= most_steps_kept && linear_.is_prepared() &&
+      std::abs(w_ - system_weight_) <= 1e-9 * w_)
+    return;
+  const bool is_matrix_free = linear_.prepare_matrix_free(at_, {w_, w_ * w_, 0.0});
+  if (!is_matrix_free) host_.prepare_system({w_, w_ * w_});
+  // Without a matrix it takes little time; and where iterations give up, the host linearises at the state it is of.
+  may_keep_ = !is_matrix_free;
+  age_ = 0;
+  first_iterations_ = 0;
+  system_weight_ = w_;
 }
 
 void StepSolver::clear_pinned(VectorXd& values) const {
@@ -69,13 +97,16 @@ void StepSolver::apply(const VectorXd& in, VectorXd& out) {
 }
 
 void StepSolver::apply_transposed(const VectorXd& in, VectorXd& out) {
-  host_.jacobian_transposed_times(in.data(), by_position_.data(), by_velocity_.data());
   if (outputs_ == nullptr) {
-    out = in - w_ * by_velocity_ - (w_ * w_) * by_position_;
-  } else {
-    outputs_->to_free(by_position_, by_velocity_, work_);
-    out = in - w_ * work_;
+    out.resize(in.size());
+    linear_.weighted_transposed_times(w_, w_ * w_, in.data(), out.data());
+    for (Eigen::Index i = 0; i < in.size(); ++i)
+      out[i] = pinned_[static_cast<std::size_t>(i)] != 0 ? 0.0 : in[i] - out[i];
+    return;
   }
+  host_.jacobian_transposed_times(in.data(), by_position_.data(), by_velocity_.data());
+  outputs_->to_free(by_position_, by_velocity_, work_);
+  out = in - w_ * work_;
   clear_pinned(out);
 }
 
@@ -84,7 +115,6 @@ void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x)
   const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) {
     static_cast<void>(host_.solve_system(in.data(), inner, out.data()));
   };
-  keeps_products_ = false;
   if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy * right_side.norm(), mismatch_, x))
     directly(right_side, false, x);
 }
@@ -99,46 +129,50 @@ void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, V
     out = out.cwiseProduct(mass);
   };
   const double size = right_side.norm(), allowed = accuracy * size;
-  VectorXd change, left = right_side;
-  by_position.setZero(right_side.size());
-  by_velocity.setZero(right_side.size());
+  VectorXd left;
   bool is_near = false;
   if (x.size() == right_side.size() && !x.isZero(0.0)) {
     clear_pinned(x);
     apply_transposed(x, left);
     left = right_side - left;
     is_near = left.norm() < size;
-    if (is_near) {
-      by_position = by_position_;
-      by_velocity = by_velocity_;
-    }
   }
   if (!is_near) {
     x.setZero(right_side.size());
     left = right_side;
   }
-  if (left.norm() <= allowed) return;
-  keeps_products_ = true;
-  if (!factorised_ && iterate(matrix, preconditioner, left, allowed, transposed_mismatch_, change)) {
-    x += change;
-    by_position += by_position_;
-    by_velocity += by_velocity_;
+  if (left.norm() > allowed) {
+    VectorXd change;
+    if (!factorised_ && iterate(matrix, preconditioner, left, allowed, transposed_mismatch_, change))
+      x += change;
+    else
+      directly(right_side, true, x);
+  }
+  if (outputs_ != nullptr) {
+    host_.jacobian_transposed_times(x.data(), by_position.data(), by_velocity.data());
     return;
   }
-  directly(right_side, true, x);
-  host_.jacobian_transposed_times(x.data(), by_position.data(), by_velocity.data());
+  // The system itself tells the other one, to its accuracy.
+  linear_.weighted_transposed_times(0.0, 1.0, x.data(), by_position.data());
+  by_velocity = (x - right_side) / w_ - w_ * by_position;
 }
 
 bool StepSolver::iterate(const Map& matrix, const Preconditioner& solver, const VectorXd& right_side, double allowed,
                          double& mismatch, VectorXd& x) {
-  if (!prepared_ && prepared_steps_ == 0) {
+  if (!has_system_ && prepared_steps_ == 0) {
     double none = 0.0;
     if (iterate(matrix, nullptr, most_plain, right_side, allowed, none, x)) return true;
     prepared_steps_ = steps_until_tried;
   }
-  if (!prepared_) host_.prepare_system({w_, w_ * w_});
-  prepared_ = true;
-  return iterate(matrix, &solver, most_iterations(), right_side, allowed, mismatch, x);
+  prepare_system(false);
+  bool settled = iterate(matrix, &solver, most_iterations(), right_side, allowed, mismatch, x);
+  if (!settled && age_ > 0) {
+    prepare_system(true);
+    settled = iterate(matrix, &solver, most_iterations(), right_side, allowed, mismatch, x);
+  }
+  if (age_ == 0 && first_iterations_ == 0) first_iterations_ = iterations_;
+  may_keep_ = may_keep_ && settled && iterations_ <= first_iterations_ + more_iterations;
+  return settled;
 }
 
 // Arnoldi's basis by modified Gram-Schmidt, least squares by Givens rotations. False: no convergence.
@@ -147,27 +181,28 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
   const double size = right_side.norm();
   x.setZero(right_side.size());
   if (!(size > 0.0)) return size == 0.0;
-  basis_.assign(1, right_side / size);
-  images_.clear();
-  products_.clear();
+  if (basis_.empty()) basis_.emplace_back();
+  basis_[0] = right_side / size;
   std::vector<VectorXd> columns;  // of the triangle
   VectorXd g = VectorXd::Zero(most + 1), cosine(most), sine(most);
   g[0] = size;
   Eigen::Index count = 0;
   bool settled = false;
-  VectorXd next(right_side.size());
+  VectorXd& next = next_;
   while (count < most && !settled) {
     const Eigen::Index k = count++;
-    images_.emplace_back(right_side.size());
+    const auto number = static_cast<std::size_t>(k);
     const double left = std::abs(g[k]);
     const double inner = std::clamp(std::max(mismatch, 0.3 * allowed / left), tightest_inner, loosest_inner);
-    if (preconditioner != nullptr)
-      (*preconditioner)(basis_.back(), inner, images_.back());
-    else
-      images_.back() = basis_.back();
-    if (!images_.back().allFinite()) return false;
-    matrix(images_.back(), next);
-    if (keeps_products_) products_.insert(products_.end(), {by_position_, by_velocity_});
+    if (preconditioner == nullptr) {
+      matrix(basis_[number], next);
+    } else {
+      if (images_.size() <= number) images_.emplace_back();
+      images_[number].resize(right_side.size());
+      (*preconditioner)(basis_[number], inner, images_[number]);
+      if (!images_[number].allFinite()) return false;
+      matrix(images_[number], next);
+    }
     VectorXd& h = columns.emplace_back(k + 2);
     for (Eigen::Index i = 0; i <= k; ++i) {
       h[i] = basis_[static_cast<std::size_t>(i)].dot(next);
@@ -190,21 +225,18 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
     const double reduction = std::abs(g[k + 1]) / left;
     if (reduction > 3.0 * inner) mismatch = std::max(mismatch, reduction);
     if (!settled && !(length > 0.0)) return false;
-    if (!settled) basis_.push_back(next / length);
+    if (settled) break;
+    if (basis_.size() <= number + 1) basis_.emplace_back();
+    basis_[number + 1] = next / length;
   }
+  iterations_ = count;
   if (!settled) return false;
   mismatch *= forgetting;
-  by_position_.setZero();
-  by_velocity_.setZero();
   for (Eigen::Index k = count; k-- > 0;) {  // backwards through the triangle
     const VectorXd& h = columns[static_cast<std::size_t>(k)];
     g[k] /= h[k];
     g.head(k) -= g[k] * h.head(k);
-    const auto number = static_cast<std::size_t>(k);
-    x += g[k] * images_[number];
-    if (!keeps_products_) continue;
-    by_position_ += g[k] * products_[2 * number];
-    by_velocity_ += g[k] * products_[2 * number + 1];
+    x += g[k] * (preconditioner != nullptr ? images_ : basis_)[static_cast<std::size_t>(k)];
   }
   clear_pinned(x);
   return true;

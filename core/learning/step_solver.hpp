@@ -10,6 +10,7 @@
 #include <springnet/sdk/host.hpp>
 
 #include "learning/constrained_outputs.hpp"
+#include "simulation/engine.hpp"
 
 namespace springnet::learning {
 
@@ -20,7 +21,11 @@ namespace springnet::learning {
 // first.
 class StepSolver {
  public:
-  explicit StepSolver(sdk::Host host) noexcept : host_(host) {}
+  // The host is the engine's.
+  StepSolver(Engine& engine, sdk::Host host) noexcept : linear_(engine.linear()), host_(host) {}
+
+  // Forgets what was found of earlier steps, so that what follows depends on the steps to come alone.
+  void begin() noexcept;
 
   // w: s. Linearises at a state; then the host's jacobian_times and its transpose are those of this state. solutions:
   // how many are to come; a small net is then factorised if that pays. outputs: of a step with constraints, until the
@@ -43,24 +48,31 @@ class StepSolver {
   // With the host's solver, or without.
   [[nodiscard]] bool iterate(const Map& matrix, const Preconditioner& solver, const Eigen::VectorXd& right_side,
                              double allowed, double& mismatch, Eigen::VectorXd& x);
+  // The host's solver of this step, or still that of an earlier one.
+  void prepare_system(bool anew);
   void directly(const Eigen::VectorXd& right_side, bool transposed, Eigen::VectorXd& x);
   void clear_pinned(Eigen::VectorXd& values) const;
   void apply(const Eigen::VectorXd& in, Eigen::VectorXd& out);
   void apply_transposed(const Eigen::VectorXd& in, Eigen::VectorXd& out);
   [[nodiscard]] Eigen::Index most_iterations() const;
 
+  LinearModel& linear_;
   sdk::Host host_;
+  springnet_evaluation at_{};
   double w_ = 0.0;
   std::vector<double> mass_;          // [3 node]
   std::vector<std::uint8_t> pinned_;  // [3 node]
-  bool factorised_ = false, prepared_ = false;
-  int prepared_steps_ = 0;  // for which no other way is tried
+  bool factorised_ = false;
+  // The host's system: of this step, or of so many steps ago; and whether it converges as it did at first.
+  bool has_system_ = false, may_keep_ = false;
+  int age_ = 0;
+  double system_weight_ = 0.0;
+  Eigen::Index iterations_ = 0, first_iterations_ = 0;  // of the last solution, of that with a system of its own
+  int prepared_steps_ = 0;                              // for which no other way is tried
   // What an exact solution by the preconditioner leaves of the residual, of A and of its transpose, as far as known.
   double mismatch_ = 0.0, transposed_mismatch_ = 0.0;
   std::vector<Eigen::VectorXd> basis_, images_;
-  bool keeps_products_ = false;
-  std::vector<Eigen::VectorXd> products_;  // of transposed derivatives with each image: two
-  Eigen::VectorXd work_, other_, by_position_, by_velocity_;
+  Eigen::VectorXd next_, work_, other_, by_position_, by_velocity_;
   const ConstrainedOutputs* outputs_ = nullptr;
 };
 

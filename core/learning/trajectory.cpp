@@ -13,7 +13,7 @@ namespace springnet::learning {
 namespace {
 
 // States of a part: few if they are large. Of the net alone, so that the budget changes no bits.
-constexpr std::size_t most_of_part = 32, least_of_part = 4, bytes_of_part = std::size_t{1} << 27;
+constexpr std::size_t most_of_part = 64, least_of_part = 4, bytes_of_part = std::size_t{1} << 27;
 
 std::size_t bytes_of(const Trajectory::State& state) {
   return sizeof state + sizeof(double) * static_cast<std::size_t>(state.p.size() + state.v.size() + state.z.size());
@@ -43,8 +43,11 @@ void Trajectory::hold(State first, State second) {
   count_ = 2;
 }
 
-void Trajectory::plan(const State& first, std::size_t saved_size, std::size_t steps) {
-  const std::size_t each = bytes_of(first);
+void Trajectory::plan(std::size_t steps) {
+  State first;
+  record(first);
+  const std::size_t each = bytes_of(first), saved_size = simulation_.save().size();  // lays out what was changed
+  events_ = simulation_.events().size();
   use_ = {};
   use_.part = std::clamp(bytes_of_part / each, least_of_part, most_of_part);
   if (steps < memory_ / each) {
@@ -70,24 +73,35 @@ void Trajectory::count() {
   use_.most_saved = std::max(use_.most_saved, use_.saved);
 }
 
+bool Trajectory::keeps(std::size_t part, std::size_t target) const {
+  if (saved_.size() >= use_.places) return false;
+  if (saved_.empty()) return true;
+  const std::size_t last = saved_.back().part, left = target - last + 1;
+  return part > last && left > 1 && part == last + parts_until_kept(left, use_.places - saved_.size() + 1);
+}
+
+// What follows is the same after a saved state is taken up, after it was saved, and after the history was dropped,
+// unless springs were removed or changed since: where it is saved they are laid out anew.
 void Trajectory::begin_part(std::size_t part, std::size_t target) {
-  std::string bytes = simulation_.save();
-  const bool passed = !saved_.empty() && part <= saved_.back().part;
-  if (passed || saved_.size() >= use_.places) return;
-  if (!saved_.empty()) {
-    const std::size_t last = saved_.back().part, left = target - last + 1;
-    if (left < 2 || part != last + parts_until_kept(left, use_.places - saved_.size() + 1)) return;
-  }
-  saved_.push_back({part, std::move(bytes), recorder_.parts()});
+  const std::vector<Event>& events = simulation_.events();
+  const bool is_other =
+      saves_ || std::any_of(events.begin() + static_cast<std::ptrdiff_t>(events_), events.end(), [](const Event& each) {
+        return each.kind == Event::Kind::cut || each.kind == Event::Kind::ruptured;
+      });
+  events_ = events.size();
+  if (keeps(part, target))
+    saved_.push_back({part, simulation_.save(), recorder_.parts()});
+  else if (is_other)
+    static_cast<void>(simulation_.save());
+  else
+    simulation_.drop_history();
 }
 
 void Trajectory::run(std::size_t steps, const std::function<void(std::size_t)>& made) {
   clear();
   recorder_.take_up({});
   try {
-    State first;
-    record(first);
-    plan(first, simulation_.save().size(), steps);
+    plan(steps);
     times_.reserve(steps + 1);
     const std::size_t target = steps / use_.part;
     first_ = 0;
@@ -143,6 +157,7 @@ void Trajectory::load(std::size_t part) {
       saved_.begin(), saved_.end(), part, [](std::size_t number, const Saved& each) { return number < each.part; }));
   if (here_ > begin || here_ < last->part * use_.part) {
     simulation_.restore(last->bytes);
+    events_ = simulation_.events().size();
     recorder_.take_up(last->parts);
     here_ = last->part * use_.part;
   }

@@ -16,8 +16,9 @@
 
 namespace springnet::learning {
 
-// Steps are made in parts of some states. Where a part begins the simulation is saved in any case, so that what follows
-// depends on the state alone: a state that is made again has the bits of the first time, whatever the budget.
+// Steps are made in parts of some states. Where a part begins the simulation forgets what it keeps for speed, so that
+// what follows depends on the state alone: a state that is made again has the bits of the first time, whatever the
+// budget.
 class Trajectory {
  public:
   struct State {
@@ -28,9 +29,10 @@ class Trajectory {
   };
   using Record = std::function<void(State&)>;  // writes the present state of the simulation, but for the parts
 
-  // recorder: makes the steps.
-  Trajectory(Simulation& simulation, Record record, PartRecorder& recorder)
-      : simulation_(simulation), record_(std::move(record)), recorder_(recorder) {}
+  // recorder: makes the steps. saves: the simulation is saved at each part in any case, for there is more than springs
+  // that are removed which makes a difference: changes of the net's own, events that are located.
+  Trajectory(Simulation& simulation, Record record, PartRecorder& recorder, bool saves)
+      : simulation_(simulation), record_(std::move(record)), recorder_(recorder), saves_(saves) {}
 
   // Bytes, of states and saved states. Of the runs to come.
   void set_memory(std::size_t bytes) noexcept { memory_ = bytes; }
@@ -71,8 +73,10 @@ class Trajectory {
   void record(State& to);
   [[nodiscard]] const State* find(std::size_t state) const noexcept;
   [[nodiscard]] std::size_t parts() const noexcept { return (times_.size() + use_.part - 1) / use_.part; }
-  void plan(const State& first, std::size_t saved_size, std::size_t steps);
-  // Saves the simulation at the start of a part, and keeps it if the plan up to the part `target` says so.
+  void plan(std::size_t steps);
+  // Whether the plan up to the part `target` keeps the simulation at the start of a part.
+  [[nodiscard]] bool keeps(std::size_t part, std::size_t target) const;
+  // From the start of a part on what follows depends on the state alone.
   void begin_part(std::size_t part, std::size_t target);
   void step_on();
   void load(std::size_t part);
@@ -81,6 +85,7 @@ class Trajectory {
   Simulation& simulation_;
   Record record_;
   PartRecorder& recorder_;
+  bool saves_;
   std::size_t memory_ = std::size_t{1} << 30;
   std::vector<double> times_;  // [state] s
   // States from first_ on: all, or those of a part; and one of a part beside it.
@@ -90,6 +95,7 @@ class Trajectory {
   std::size_t beside_number_ = none;
   std::vector<Saved> saved_;  // by rising part
   std::size_t here_ = 0;      // where the simulation is: number of its state
+  std::size_t events_ = 0;    // of the simulation, where it was last saved or restored
   Use use_;
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 };

@@ -158,7 +158,18 @@ void LinearModel::project_accelerations(bool transposed, double* values) {
     model_.constraints.project_change(nullptr, values, transposed);
 }
 
-void LinearModel::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
+void LinearModel::weighted_transposed_times(double velocity_weight, double position_weight, const double* weights,
+                                            double* out) {
+  if (!model_.constraints.rows().empty()) {
+    weights_of_free_.assign(weights, weights + 3 * model_.mass.size());
+    clear_held(weights_of_free_.data());
+    model_.constraints.project_change(nullptr, weights_of_free_.data(), true);
+    weights = weights_of_free_.data();
+  }
+  blocks_.weighted_transposed_times(velocity_weight, position_weight, weights, out);
+}
+
+void LinearModel::diagonal_blocks(double velocity_weight, double position_weight, double* out) {
   blocks_.diagonal_blocks(velocity_weight, position_weight, out);
 }
 
@@ -191,26 +202,37 @@ springnet_status LinearModel::solve(bool transposed, const double* right_side, d
 
 springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   const layers::FlushDenormals flush;
+  const layers::SystemWeights weights{request.velocity_weight, request.position_weight, request.shift};
+  if (request.at != nullptr) {
+    if (request.exact == 0 && prepare_matrix_free(*request.at, weights)) return SPRINGNET_OK;
+    begin_system(weights);
+    if (const springnet_status status = linearise(*request.at, 0.0); status != SPRINGNET_OK) return status;
+  }
+  begin_system(weights);
+  assemble();
+  return SPRINGNET_OK;
+}
+
+void LinearModel::begin_system(const layers::SystemWeights& weights) {
   prepared_ = Prepared::nothing;
   indefinite_ = false;
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
-  weights_ = {request.velocity_weight, request.position_weight, request.shift};
-  if (request.at != nullptr) {
-    const springnet_evaluation& at = *request.at;
-    const layers::InternalView internal = quiet(model_.internal_for(at.internal));
-    if (request.exact == 0 && may_be_matrix_free(at) &&
-        matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
-                             weights_) &&
-        matrix_free_.asymmetry() <= max_asymmetry) {
-      prepared_ = Prepared::matrix_free;
-      at_hand_ = false;
-      keep_state(at);
-      return SPRINGNET_OK;
-    }
-    if (const springnet_status status = linearise(at, 0.0); status != SPRINGNET_OK) return status;
-  }
-  assemble();
-  return SPRINGNET_OK;
+  weights_ = weights;
+}
+
+bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
+  const layers::FlushDenormals flush;
+  begin_system(weights);
+  const layers::InternalView internal = quiet(model_.internal_for(at.internal));
+  if (!may_be_matrix_free(at) ||
+      !matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
+                            weights_) ||
+      !(matrix_free_.asymmetry() <= max_asymmetry))
+    return false;
+  prepared_ = Prepared::matrix_free;
+  at_hand_ = false;
+  keep_state(at);
+  return true;
 }
 
 bool LinearModel::may_be_matrix_free(const springnet_evaluation& at) {

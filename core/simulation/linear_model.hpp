@@ -35,12 +35,19 @@ class LinearModel {
   // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights.
   springnet_status transposed_times(const double* weights, bool true_friction, double* by_position,
                                     double* by_velocity);
+  // out = velocity_weight times the one plus position_weight times the other, without true friction; after linearise().
+  void weighted_transposed_times(double velocity_weight, double position_weight, const double* weights, double* out);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
-  void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
+  void diagonal_blocks(double velocity_weight, double position_weight, double* out);
   springnet_status factorise(double velocity_weight, double position_weight);
   springnet_status solve(bool transposed, const double* right_side, double* x);
   // Assembles a system with the derivatives at hand, which is then kept; and solves it, see springnet_host.
   springnet_status prepare(const springnet_linear_system& request);
+  // Prepares the symmetric part of the system at a state, if that can be done without its matrix; the derivatives at
+  // hand stay.
+  [[nodiscard]] bool prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights);
+  // Whether there is a system to be solved: not after changes of the network.
+  [[nodiscard]] bool is_prepared() const noexcept { return prepared_ != Prepared::nothing; }
   springnet_status solve_prepared(springnet_linear_solve& request);
   // The prepared system by rows, see springnet_system_rows.
   springnet_status rows(springnet_system_rows& out);
@@ -79,6 +86,7 @@ class LinearModel {
   // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();
+  void begin_system(const layers::SystemWeights& weights);
   void assemble();  // with the derivatives at hand
   // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.
   struct Factors {

@@ -89,14 +89,14 @@ TEST_CASE("a motion in little memory has the same derivatives, bit by bit, for t
   CHECK(all_kept.at_end.places == 0);
   CHECK(all_kept.at_end.steps_again == 0);
   std::size_t places_before = 1000;
-  for (const std::size_t memory : {200'000U, 120'000U, 60'000U, 36'000U}) {
+  for (const std::size_t memory : {200'000U, 120'000U, 60'000U, 50'000U}) {
     CAPTURE(memory);
     const Found found = find(memory);
     CHECK(found.gradient == all_kept.gradient);
     CHECK(found.along == all_kept.along);
     CHECK(found.loss == all_kept.loss);
     const MotionDerivatives::Kept& kept = found.after_adjoint;
-    CHECK(kept.part == 32);
+    CHECK(kept.part == 64);
     REQUIRE(kept.places >= 1);
     CHECK(kept.places < places_before);
     places_before = kept.places;
@@ -119,7 +119,7 @@ TEST_CASE("a motion in little memory has the same derivatives, bit by bit, for t
   } catch (const Error& error) {
     said = error.what();
   }
-  CHECK(said.find("too few for the states of 32 steps in a row") != std::string::npos);
+  CHECK(said.find("too few for the states of 64 steps in a row") != std::string::npos);
 }
 
 TEST_CASE("states of a motion in little memory are found in any order") {

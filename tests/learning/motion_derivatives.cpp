@@ -186,3 +186,58 @@ TEST_CASE("what is not differentiated is refused with what it is") {
   refused(net, method(1.0, newton), {{Kind::initial_velocity, false, "", {0}}}, "node 0 is fixed");
   refused(net, method(1.0, newton), {{Kind::spring_parameter, false, "stifness", {0}}}, "stiffness");
 }
+
+// The bending of an angle follows the velocities of its nodes where it is exactly straight: its law has the derivative
+// that steps are linearised with where it is at rest, and others are refused only where it matters.
+TEST_CASE("an angle that is exactly straight at the start") {
+  const auto chain = [](double reference) {
+    Network net;
+    const MaterialIndex material = net.add_material(damped(60.0, 1.0));
+    for (int k = 0; k < 3; ++k) net.add_node(point({1.1 * k, 0, 0}, 0.5 + 0.2 * k));
+    for (NodeIndex k = 1; k < 3; ++k) {
+      Node own = net.nodes()[k];
+      own.velocity = {0.1, 0.3 * k - 0.4, 0.2 * k};
+      net.set_node(k, own);
+      net.add_spring(k - 1, k, material);
+    }
+    net.fix(0);
+    net.add_element(Invariant::angle, {0, 1, 2},
+                    net.add_material({LawUse{"linear", {{"stiffness", 3.0}}}, LawUse{"linear", {{"damping", 0.2}}}}),
+                    reference);
+    return std::make_shared<const Network>(net);
+  };
+  const LearnedValues velocities{Kind::initial_velocity, false, "", {1, 2}};
+  const LearnedValues laws{Kind::spring_parameter, true, "stiffness", {0}};
+  const auto check = [&](double reference, double theta, const LearnedValues& learned) {
+    CAPTURE(reference);
+    CAPTURE(theta);
+    MotionDerivatives motion(chain(reference), plugins(), method(theta, newton), 0.2, {learned});
+    const VectorXd values = motion.values_of_network();
+    motion.run(values);
+    const Loss loss(motion.step_count() + 1, 3);
+    const VectorXd gradient = loss.gradient(motion);
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const auto at = [&](double change) {
+        VectorXd changed = values;
+        changed[i] += change;
+        motion.run(changed);
+        return loss.of(motion);
+      };
+      constexpr double h = 1e-4;
+      const double difference = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+      CHECK(gradient[i] == doctest::Approx(difference).epsilon(1e-6));
+    }
+  };
+  const double pi = std::acos(-1.0);
+  check(pi, 0.5, velocities);
+  check(pi, 1.0, velocities);
+  check(2.6, 1.0, velocities);
+  check(2.6, 0.5, laws);
+  std::string said;
+  try {
+    check(2.6, 0.5, velocities);
+  } catch (const Error& error) {
+    said = error.what();
+  }
+  CHECK(said.find("element 0, an angle, is exactly straight at the start") != std::string::npos);
+}

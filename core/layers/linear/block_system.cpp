@@ -52,6 +52,7 @@ void BlockSystem::make_pattern(Linearisation& derivatives) {
 
 void BlockSystem::assemble(Linearisation& derivatives, const SystemWeights& weights) {
   layout_.need_incidence();
+  derivatives.need_spring_blocks();  // before threads do
   if (!pattern_known_) make_pattern(derivatives);
 #pragma omp parallel num_threads(static_cast <int>(threads_)) if (threads_ > 1)
   {

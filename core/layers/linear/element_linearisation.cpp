@@ -71,6 +71,10 @@ void ElementLinearisation::make_pattern() {
     elements.add_neighbours(node, columns);
     faces.add_neighbours(node, columns);
   });
+  mirrored_.clear();
+  for (std::uint32_t node = 0; node < layout_.node_count(); ++node)
+    for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b)
+      mirrored_.push_back(rows_.find(rows_.other(b), node));
   targets_.clear();
   for (const std::uint32_t e : elements.batched()) {
     const std::span<const std::uint32_t> own = elements.nodes(e);
@@ -273,7 +277,7 @@ void ElementLinearisation::add_transposed(std::uint32_t node, const double* weig
   const std::size_t n = layout_.node_count();
   for (std::size_t b = rows_.begin(node); b < rows_.end(node); ++b) {
     const std::uint32_t other = rows_.other(b);
-    const std::uint32_t mirrored = rows_.find(other, node);
+    const std::uint32_t mirrored = mirrored_[b];
     const Vector3 weight(weights[other], weights[n + other], weights[2 * n + other]);
     by_position -= stiffness_[mirrored].transpose() * weight;
     if (damped_) by_velocity -= damping_[mirrored].transpose() * weight;

@@ -98,6 +98,7 @@ class ElementLinearisation {
   // Sums over elements, [block of rows_]. damping_ is used only if damped_: some law depends on the rate.
   std::vector<Block> stiffness_, damping_;
   bool damped_ = false;
+  std::vector<std::uint32_t> mirrored_;           // [block of rows_] (j, i) of (i, j)
   std::vector<std::uint32_t> targets_;            // blocks of rows_: for batched elements (i, j), row by row
   std::vector<std::uint32_t> face_targets_;       // of each node, for each of its faces: itself, next, last
   std::vector<std::uint32_t> enclosure_targets_;  // of live enclosures, [spoke]

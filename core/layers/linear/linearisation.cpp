@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "layers/failure.hpp"
+#include "layers/linear/axial_springs.hpp"
 #include "layers/springs/queries.hpp"
 #include "plugin_host/call.hpp"
 #include "plugin_host/message.hpp"
@@ -29,6 +30,7 @@ Linearisation::Linearisation(const Layout& layout, const Evaluator& evaluator,
     : layout_(layout),
       evaluator_(evaluator),
       constrained_(constrained),
+      axial_(std::make_unique<AxialSprings>(layout, evaluator)),
       elements_(layout, evaluator),
       system_(std::make_unique<System>()) {}
 
@@ -40,14 +42,22 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   const std::size_t n = layout_.node_count();
   known_ = false;
   bonds_.clear();
+  const std::vector<Group>& groups = layout_.laws().groups;
+  const bool may_be_axial = std::all_of(groups.begin(), groups.end(), [](const Group& group) {
+    const std::array<const Law*, 2> laws = group.laws();
+    return std::all_of(laws.begin(), laws.end(),
+                       [](const Law* law) { return !*law || (!law->relative && law->can(SPRINGNET_HAS_DERIVATIVES)); });
+  });
+  are_axial_ = may_be_axial && axial_->update(time, nodes, constrained_);
+  has_blocks_ = !are_axial_;
   stiffness_.resize(9 * layout_.spring_count());
   damping_.resize(9 * layout_.spring_count());
   bool finite = true;
   const auto geometry = std::make_unique<SegmentGeometry>();
   const auto answers = std::make_unique<PairAnswers<max_segment>>();
   const PairOutputs out = answers->outputs(true, false);
-  for (std::size_t g = 0; g < layout_.laws().groups.size(); ++g) {
-    const Group& group = layout_.laws().groups[g];
+  for (std::size_t g = 0; g < groups.size() && !are_axial_; ++g) {  // which also tells what failed
+    const Group& group = groups[g];
     for (const Law* law : group.laws())
       if (*law && require_derivatives(*law->component, message) != SPRINGNET_OK) return SPRINGNET_FAILED;
     const std::vector<std::uint32_t>& springs = layout_.springs_of(g);
@@ -93,9 +103,42 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
       evaluator_.accelerations(0, static_cast<std::uint32_t>(n), time, nodes, force, acceleration, by_force_.data(),
                                by_position_.data(), by_velocity_.data(), message);
   if (neurons != SPRINGNET_OK) return neurons;
-  const springnet_status checked = check_neurons(message);
+  find_scales();
+  const springnet_status checked =
+      std::all_of(scales_.begin(), scales_.end(), [](double each) { return std::isfinite(each); }) && !scales_.empty()
+          ? SPRINGNET_OK
+          : check_neurons(message);
   known_ = checked == SPRINGNET_OK;
   return checked;
+}
+
+void Linearisation::find_scales() {
+  const std::size_t n = layout_.node_count();
+  scales_.resize(3 * n);
+  const Blocks* const kinds[] = {&by_force_, &by_position_, &by_velocity_};
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      const double* const b = kinds[kind]->data() + 9 * k;
+      scales_[3 * k + kind] = b[0];
+      if (b[4] == b[0] && b[8] == b[0] && b[1] == 0.0 && b[2] == 0.0 && b[3] == 0.0 && b[5] == 0.0 && b[6] == 0.0 &&
+          b[7] == 0.0)
+        continue;
+      scales_.clear();
+      return;
+    }
+  }
+}
+
+void Linearisation::need_spring_blocks() {
+  if (has_blocks_) return;
+  for (std::size_t g = 0; g < layout_.laws().groups.size(); ++g) {
+    for (const std::uint32_t s : layout_.springs_of(g)) {
+      const SpringBlocks blocks = axial_->blocks(s);
+      Eigen::Map<Block>(stiffness_.data() + 9 * std::size_t{s}) = blocks.stiffness;
+      Eigen::Map<Block>(damping_.data() + 9 * std::size_t{s}) = blocks.damping;
+    }
+  }
+  has_blocks_ = true;
 }
 
 springnet_status Linearisation::not_finite(double time, const NodeArrays& nodes, springnet_message& message) const {
@@ -121,6 +164,7 @@ springnet_status Linearisation::check_neurons(springnet_message& message) const 
 
 void Linearisation::times(const double* dp, const double* dv, double* out) {
   layout_.need_incidence();  // before threads do
+  need_spring_blocks();
   const std::size_t n = layout_.node_count();
   const bool elements = elements_.any();
   if (elements) elements_.prepare(dp, dv);
@@ -154,55 +198,6 @@ void Linearisation::times(const double* dp, const double* dv, double* out) {
   }
 }
 
-// The blocks of a spring are the same seen from either end, and those of elements have a symmetric pattern: each node
-// sums over its own springs and blocks.
-void Linearisation::transposed_times(const double* weights, double* by_position, double* by_velocity) {
-  layout_.need_incidence();  // before threads do
-  const std::size_t n = layout_.node_count();
-  const auto at = [n](const double* values, std::size_t k) {
-    return Vector3(values[k], values[n + k], values[2 * n + k]);
-  };
-  const auto put = [n](double* values, std::size_t k, const Vector3& value) {
-    for (std::size_t c = 0; c < 3; ++c) values[c * n + k] = value[static_cast<Eigen::Index>(c)];
-  };
-  force_weights_.resize(3 * n);
-  const int threads = static_cast<int>(evaluator_.threads());
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (std::int64_t node = 0; node < static_cast<std::int64_t>(n); ++node) {
-    const auto k = static_cast<std::uint32_t>(node);
-    put(force_weights_.data(), k,
-        constrained_[k] != 0 ? Vector3(Vector3::Zero()) : Vector3(block(by_force_, k).transpose() * at(weights, k)));
-  }
-  const double* const f = force_weights_.data();
-  const bool elements = elements_.any();
-  if (elements) elements_.prepare_transposed(f);
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (std::int64_t node = 0; node < static_cast<std::int64_t>(n); ++node) {
-    const auto k = static_cast<std::uint32_t>(node);
-    Vector3 p = Vector3::Zero(), v = Vector3::Zero();
-    if (constrained_[k] == 0) {
-      p = block(by_position_, k).transpose() * at(weights, k);
-      v = block(by_velocity_, k).transpose() * at(weights, k);
-    }
-    if (elements) elements_.add_transposed(k, f, p, v);
-    const Vector3 own = at(f, k);
-    for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i) {
-      const Vector3 between = own - at(f, i->other);
-      p -= block(stiffness_, i->spring).transpose() * between;
-      v -= block(damping_, i->spring).transpose() * between;
-    }
-    put(by_position, k, p);
-    put(by_velocity, k, v);
-  }
-  for (const Bond& bond : bonds_) {
-    const Vector3 change = bond.stiffness.transpose() * (at(f, bond.first) - at(f, bond.second));
-    for (std::size_t c = 0; c < 3; ++c) {
-      by_position[c * n + bond.first] -= change[static_cast<Eigen::Index>(c)];
-      by_position[c * n + bond.second] += change[static_cast<Eigen::Index>(c)];
-    }
-  }
-}
-
 void Linearisation::accelerations(const double* force, double* out) const {
   const std::size_t n = layout_.node_count();
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -221,6 +216,7 @@ bool Linearisation::neurons_dissipate() const {
 }
 
 void Linearisation::set_weights(double velocity_weight, double position_weight) {
+  need_spring_blocks();
   weighted_.resize(stiffness_.size());
   for (std::size_t i = 0; i < weighted_.size(); ++i)
     weighted_[i] = velocity_weight * damping_[i] + position_weight * stiffness_[i];
@@ -247,7 +243,8 @@ Vector3 Linearisation::off_diagonal_product(std::uint32_t node, const double* co
   return block(by_force_, node) * force;
 }
 
-void Linearisation::diagonal_blocks(double velocity_weight, double position_weight, double* out) const {
+void Linearisation::diagonal_blocks(double velocity_weight, double position_weight, double* out) {
+  need_spring_blocks();
   diagonal_blocks(velocity_weight, position_weight, true, out);
 }
 
@@ -337,6 +334,7 @@ void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
 
 void Linearisation::fill(double velocity_weight, double position_weight) {
   if (!pattern_known_) make_pattern();
+  need_spring_blocks();
   const std::uint32_t n = layout_.node_count();
   double* values = system_->matrix.valuePtr();
   std::fill_n(values, system_->matrix.nonZeros(), 0.0);

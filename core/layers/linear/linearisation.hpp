@@ -16,8 +16,11 @@
 
 namespace springnet::layers {
 
+class AxialSprings;
+
 // Blocks of springs are kept one each (springs/blocks.hpp), those of elements summed (element_linearisation.hpp). The
-// rank-one terms of enclosures stay out of the sparse matrix, which they would fill.
+// rank-one terms of enclosures stay out of the sparse matrix, which they would fill. Where all laws of springs are
+// axial, their blocks are computed when they are first asked for: transposed products do without.
 class Linearisation {
  public:
   // References must outlive it. constrained: [node] 1 where a node is fixed or held, so that its acceleration is 0.
@@ -33,10 +36,12 @@ class Linearisation {
   // Adds to the da/dv block of one node, 1/s; call after update().
   void add_to_velocity_block(std::uint32_t node, const Block& block) {
     Eigen::Map<Block>(by_velocity_.data() + 9 * std::size_t{node}) += block;
+    scales_.clear();
   }
   // Adds to the da/dp block of one node, 1/s^2; call after update().
   void add_to_position_block(std::uint32_t node, const Block& block) {
     Eigen::Map<Block>(by_position_.data() + 9 * std::size_t{node}) += block;
+    scales_.clear();
   }
   // Adds a stiffness (N/m) between two neighbours; call after update().
   void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
@@ -48,16 +53,22 @@ class Linearisation {
   void times(const double* dp, const double* dv, double* out);
   // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights; arrays as above.
   void transposed_times(const double* weights, double* by_position, double* by_velocity);
+  // out = velocity_weight (da/dv)^T weights + position_weight (da/dp)^T weights, in less time than both.
+  void weighted_transposed_times(double velocity_weight, double position_weight, const double* weights, double* out);
+  // out = (da/dF)^T weights, 0 for nodes that are fixed or held.
+  void force_weights(const double* weights, double* out) const;
   // out = da/dF force, with forces on nodes, N; arrays as above.
   void accelerations(const double* force, double* out) const;
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
-  void diagonal_blocks(double velocity_weight, double position_weight, double* out) const;
+  void diagonal_blocks(double velocity_weight, double position_weight, double* out);
   // The entries of A = I - velocity_weight da/dv - position_weight da/dp, unknown 3 node + coordinate, without the
   // rank-one terms of enclosures.
   void for_each_entry(double velocity_weight, double position_weight,
                       const std::function<void(int row, int column, double value)>& visit);
 
   // ---- its parts, after update() ----
+  // To be called before weighted().
+  void need_spring_blocks();
   // velocity_weight (-dF/dv) + position_weight (-dF/dp) of a spring: force on its first end by that end's motion.
   [[nodiscard]] Block weighted(std::uint32_t spring, double velocity_weight, double position_weight) const {
     return velocity_weight * block(damping_, spring) + position_weight * block(stiffness_, spring);
@@ -109,6 +120,11 @@ class Linearisation {
   // SPRINGNET_RECOVERABLE with a message if a neuron's answer is not finite.
   springnet_status check_neurons(springnet_message& message) const;
   void make_pattern();
+  // What neurons, elements and bonds add to transposed products at force_weights_: add(node, by_position, by_velocity).
+  template <class Add>
+  void add_transposed_beside_springs(const double* weights, const Add& add);
+  void find_scales();
+  void spread_force_weights();
   // Writes A into the sparse matrix.
   void fill(double velocity_weight, double position_weight);
   // vectors: with the rank-one terms of enclosures.
@@ -123,8 +139,14 @@ class Linearisation {
   const Layout& layout_;
   const Evaluator& evaluator_;
   const std::vector<std::uint8_t>& constrained_;
-  Blocks stiffness_, damping_;                   // [spring]
+  Blocks stiffness_, damping_;  // [spring]
+  std::unique_ptr<AxialSprings> axial_;
+  bool are_axial_ = false;                       // all springs are known to axial_,
+  bool has_blocks_ = false;                      // and to stiffness_ and damping_
+  std::vector<double> four_;                     // [2][node][4], of products
   Blocks by_force_, by_position_, by_velocity_;  // [node]
+  // Where all of these are multiples of the identity: [node][3], of each kind one. Empty: they are not.
+  std::vector<double> scales_;
   std::vector<Bond> bonds_;
   Blocks weighted_;                                                 // [spring], of set_weights()
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bond_ends_;  // node and bond, sorted, likewise

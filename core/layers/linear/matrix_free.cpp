@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numeric>
 
 #include <Eigen/Dense>
 
@@ -28,15 +27,6 @@ constexpr double greatest = 1e18, max_mass_ratio = 1e12;
 // Accuracy that single precision reaches in one go, and the reduction that refinement must bring.
 constexpr double single_accuracy = 1e-4, max_reduction = 0.1;
 
-const SpringKernels& kernels_of(InstructionSet set) {
-#if defined(__x86_64__) && !defined(SPRINGNET_GENERIC_ONLY)
-  if (set == InstructionSet::avx512) return avx512::spring_kernels();
-  if (set == InstructionSet::avx2) return avx2::spring_kernels();
-#endif
-  static_cast<void>(set);
-  return generic::spring_kernels();
-}
-
 }  // namespace
 
 MatrixFree::MatrixFree(const Layout& layout, const Evaluator& evaluator, const std::vector<double>& mass,
@@ -45,7 +35,8 @@ MatrixFree::MatrixFree(const Layout& layout, const Evaluator& evaluator, const s
       evaluator_(evaluator),
       mass_(mass),
       constrained_(constrained),
-      kernels_(kernels_of(evaluator.instruction_set())) {}
+      springs_(layout),
+      kernels_(spring_kernels_for(evaluator.instruction_set())) {}
 
 bool MatrixFree::fits() const {
   if (layout_.node_count() < min_nodes || layout_.elements().live_count() > 0 || layout_.loaded_faces().any_following())
@@ -66,8 +57,7 @@ void MatrixFree::lay_out() {
   own_.assign(12 * n, 0.0);
   blocks_.assign(9 * n, 0.0);
   inverse_.assign(12 * n, 0.0F);
-  if (laid_out_ == layout_.revision()) return;
-  laid_out_ = layout_.revision();
+  if (!springs_.follow()) return;
   for (auto& vector : vectors_) vector.assign(4 * n, 0.0F);
   for (auto* vector : {&solution_, &residual_}) vector->assign(4 * n, 0.0);
   parts_.clear();
@@ -79,64 +69,21 @@ void MatrixFree::lay_out() {
     first_part_.push_back(parts_.size());
   }
   sum_.resize(parts_.size());
-  lay_out_springs();
-}
-
-// Each spring with its stiffness in the unit of its first end, and where the second end is in another unit, there, too.
-void MatrixFree::lay_out_springs() {
-  const std::vector<Unit>& units = layout_.units();
-  springs_.clear();
-  springs_.resize(units.size());
-  // what(unit, part of it, its node, the other node, slot of the unit that has the spring; that unit)
-  const auto for_each_end = [&](const auto& what) {
-    for (std::size_t u = 0; u < units.size(); ++u) {
-      for (const Segment& segment : units[u].segments) {
-        for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
-          const std::uint32_t s = units[u].spring[slot];
-          if (s == no_spring) continue;
-          const auto [own, other] = ends_in(u, segment, s);
-          const bool is_within = other >= units[u].first_node && other < units[u].end_node();
-          what(u, is_within ? springs_[u].within : springs_[u].leaving, own, other, slot, u);
-          if (!is_within && segment.access != Access::far)  // far ones are in the other unit by themselves
-            what(u + 1, springs_[u + 1].leaving, other, own, slot, u);
-        }
-      }
-    }
-  };
-  for (std::size_t u = 0; u < units.size(); ++u)
-    for (Part* part : {&springs_[u].within, &springs_[u].leaving})
-      part->start.assign(units[u].node_count + std::size_t{1}, 0);
-  for_each_end([&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t, std::uint32_t, std::size_t) {
-    ++part.start[own - units[u].first_node + 1];
-  });
-  std::vector<std::vector<std::uint32_t>> next(2 * units.size());
-  for (std::size_t u = 0; u < units.size(); ++u) {
-    springs_[u].place.assign(units[u].spring.size(), 0);
-    for (Part* part : {&springs_[u].within, &springs_[u].leaving}) {
-      std::partial_sum(part->start.begin(), part->start.end(), part->start.begin());
-      part->second.resize(part->start.back());
-      part->stiffness.assign(4 * std::size_t{part->start.back()}, 0.0F);
-      next[2 * u + (part == &springs_[u].leaving ? 1 : 0)] = part->start;
-    }
+  stiffness_.clear();
+  for (const SpringsOfUnit& unit : springs_.units()) {
+    stiffness_.push_back({std::vector<float>(4 * unit.within.second.size(), 0.0F),
+                          std::vector<float>(4 * unit.leaving.second.size(), 0.0F)});
   }
-  for_each_end(
-      [&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t other, std::uint32_t slot, std::size_t of) {
-        std::uint32_t& place = next[2 * u + (&part == &springs_[u].leaving ? 1 : 0)][own - units[u].first_node];
-        part.second[place] = other;
-        if (of == u)
-          springs_[u].place[slot] = place;
-        else
-          springs_[u].incoming.push_back({own, place, springs_[of].place[slot]});
-        ++place;
-      });
 }
 
-// Ends of a spring of a segment, that in the unit first.
-std::pair<std::uint32_t, std::uint32_t> MatrixFree::ends_in(std::size_t unit, const Segment& segment,
-                                                            std::uint32_t spring) const {
-  const std::uint32_t a = layout_.first(spring), b = layout_.second(spring);
-  const bool is_first = segment.access == Access::far ? layout_.unit_of(a) == unit : a < b;
-  return is_first ? std::pair(a, b) : std::pair(b, a);
+SpringRows MatrixFree::rows_within(std::size_t unit) const {
+  const SpringsOfUnit::Part& part = springs_.units()[unit].within;
+  return {part.start.data(), part.second.data(), stiffness_[unit].within.data()};
+}
+
+SpringRows MatrixFree::rows_leaving(std::size_t unit) const {
+  const SpringsOfUnit::Part& part = springs_.units()[unit].leaving;
+  return {part.start.data(), part.second.data(), stiffness_[unit].leaving.data()};
 }
 
 bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
@@ -150,7 +97,7 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
     const FlushDenormals flush;
     sums[static_cast<std::size_t>(u)] = linearise_unit(static_cast<std::size_t>(u), time, nodes, weights);
   }
-  for (std::size_t u = 0; u < springs_.size(); ++u) take_incoming(u);
+  for (std::size_t u = 0; u < stiffness_.size(); ++u) take_incoming(u);
   double asymmetric = 0.0, all = 0.0;
   for (const Sums& unit : sums) {
     if (!unit.fits) return false;
@@ -228,7 +175,7 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
 MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, const NodeArrays& nodes,
                                             const SystemWeights& weights) {
   const Unit& unit = layout_.units()[index];
-  UnitSprings& own = springs_[index];
+  const SpringsOfUnit& own = springs_.units()[index];
   const Kernels& kernels = kernels_for(evaluator_.instruction_set());
   const auto geometry = std::make_unique<SegmentGeometry>();
   const auto answers = std::make_unique<PairAnswers<max_segment>>();
@@ -264,14 +211,14 @@ MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, cons
     for (std::size_t i = 0; i < segment.count; ++i) {
       const std::size_t slot = segment.begin + i;
       if (unit.spring[slot] == no_spring) continue;
-      const auto [node, other] = ends_in(index, segment, unit.spring[slot]);
+      const auto [node, other] = springs_.ends_in(index, segment, unit.spring[slot]);
       const bool is_within = other >= unit.first_node && other < unit.end_node();
       const SpringForces forces = spring_forces(group, *answers, i);
       const double length = geometry->length[i], rate = geometry->rate[i], speed = geometry->speed[i];
       const double a = length > 0.0 ? weights.position / unit_ * forces.tension / length : 0.0;
       const double along = weights.position / unit_ * forces.by_length + weights.velocity / unit_ * forces.by_rate - a;
-      Part& part = is_within ? own.within : own.leaving;
-      float* const stiffness = &part.stiffness[4 * std::size_t{own.place[slot]}];
+      std::vector<float>& part = is_within ? stiffness_[index].within : stiffness_[index].leaving;
+      float* const stiffness = &part[4 * std::size_t{own.place[slot]}];
       std::fill_n(stiffness, 4, 0.0F);
       // A spring that softens, or a stiffness that is not finite in single precision.
       if (!(along >= 0.0) || !(std::abs(a) <= greatest && along <= greatest)) {
@@ -302,9 +249,9 @@ void MatrixFree::add_block(std::size_t node, double a, const double (&q)[3]) {
 
 // Springs that the unit before has linearised. Blocks only precondition, in single precision.
 void MatrixFree::take_incoming(std::size_t unit) {
-  for (const Incoming& spring : springs_[unit].incoming) {
-    const float* const from = &springs_[unit - 1].leaving.stiffness[4 * std::size_t{spring.from}];
-    std::copy_n(from, 4, &springs_[unit].leaving.stiffness[4 * std::size_t{spring.place}]);
+  for (const SpringsOfUnit::Incoming& spring : springs_.units()[unit].incoming) {
+    const float* const from = &stiffness_[unit - 1].leaving[4 * std::size_t{spring.from}];
+    std::copy_n(from, 4, &stiffness_[unit].leaving[4 * std::size_t{spring.place}]);
     add_block(spring.node, from[3], {from[0], from[1], from[2]});
   }
 }
@@ -381,8 +328,8 @@ double MatrixFree::find_residual(Team& team, const double* b) {
     const Unit& unit = layout_.units()[u];
     const NodeRange nodes{unit.first_node, std::size_t{unit.first_node} + unit.node_count};
     kernels_.diagonal_double(own_.data(), nodes, solution_.data(), residual_.data());
-    kernels_.product_double(springs_[u].within.rows(), nodes, solution_.data(), true, residual_.data());
-    kernels_.product_double(springs_[u].leaving.rows(), nodes, solution_.data(), false, residual_.data());
+    kernels_.product_double(rows_within(u), nodes, solution_.data(), true, residual_.data());
+    kernels_.product_double(rows_leaving(u), nodes, solution_.data(), false, residual_.data());
     for (std::size_t k = nodes.begin; k < nodes.end; ++k)
       for (std::size_t c = 0; c < 3; ++c) {
         double& r = residual_[4 * k + c];
@@ -423,8 +370,8 @@ double MatrixFree::product_and_dot(Team& team, const float* p, float* q) {
       std::fill(q + 4 * nodes.begin, q + 4 * nodes.end, 0.0F);
     else
       kernels_.diagonal(own_single_.data(), nodes, p, q);
-    kernels_.product(springs_[u].within.rows(), nodes, p, true, q);
-    kernels_.product(springs_[u].leaving.rows(), nodes, p, false, q);
+    kernels_.product(rows_within(u), nodes, p, true, q);
+    kernels_.product(rows_leaving(u), nodes, p, false, q);
   }
   return sum_(team, own_parts(team), [&](std::size_t i) {
     return isotropic_ ? kernels_.add_and_dot(own_scale_.data(), p, parts_[i], q) : kernels_.dot(p, q, parts_[i]);

@@ -14,7 +14,6 @@
 
 #include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "layers/evaluator.hpp"
@@ -22,6 +21,7 @@
 #include "layers/linear/conjugate_gradients.hpp"
 #include "layers/linear/deadline.hpp"
 #include "layers/linear/spring_kernels.hpp"
+#include "layers/linear/spring_order.hpp"
 
 namespace springnet::layers {
 
@@ -56,29 +56,17 @@ class MatrixFree {
   [[nodiscard]] bool is_late(const Team& team, std::uint32_t iterations) { return interruption_(team, iterations); }
 
  private:
-  // Springs between nodes of a unit, and those that lead out of it.
-  struct Part {
-    std::vector<std::uint32_t> start, second;
-    std::vector<float> stiffness;  // [spring][4]
-    [[nodiscard]] SpringRows rows() const { return {start.data(), second.data(), stiffness.data()}; }
-  };
-  // A spring from the unit before to a node, its place in `leaving` of this unit and of that one.
-  struct Incoming {
-    std::uint32_t node, place, from;
-  };
-  struct UnitSprings {
-    Part within, leaving;
-    std::vector<std::uint32_t> place;  // [slot of the unit] in its part
-    std::vector<Incoming> incoming;
+  // Of the springs of a unit, as SpringsOfUnit has them: [spring][4].
+  struct Stiffness {
+    std::vector<float> within, leaving;
   };
   struct Sums {
     double asymmetric = 0.0, all = 0.0;
     bool fits = true;
   };
   void lay_out();
-  void lay_out_springs();
-  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> ends_in(std::size_t unit, const Segment& segment,
-                                                                std::uint32_t spring) const;
+  [[nodiscard]] SpringRows rows_within(std::size_t unit) const;
+  [[nodiscard]] SpringRows rows_leaving(std::size_t unit) const;
   void add_block(std::size_t node, double a, const double (&q)[3]);
   void take_incoming(std::size_t unit);
   // In one thread of the team.
@@ -98,9 +86,9 @@ class MatrixFree {
   const Evaluator& evaluator_;
   const std::vector<double>& mass_;
   const std::vector<std::uint8_t>& constrained_;
+  SpringOrder springs_;
   const SpringKernels& kernels_;
-  std::uint64_t laid_out_ = 0;                 // revision of the layout when springs_ were made
-  std::vector<UnitSprings> springs_;           // [unit]
+  std::vector<Stiffness> stiffness_;           // [unit]
   std::vector<NodeRange> parts_;               // of sums
   std::vector<std::size_t> first_part_;        // [unit + 1]
   double unit_ = 1.0;                          // kg: the system is that in this unit of mass

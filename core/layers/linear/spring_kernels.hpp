@@ -1,5 +1,5 @@
-// Inner loops of the matrix-free solver: products with the stiffness of springs that are not assembled, and steps of
-// conjugate gradients in single precision. Vectors have four numbers a node, x, y, z and one of no meaning (finite
+// Inner loops of what goes over springs without a matrix: products with their stiffness, and steps of conjugate
+// gradients in single precision. Vectors have four numbers a node, x, y, z and one of no meaning (finite
 // in x of products), so that one load has all of a node. Compiled once for each instruction set; all give the same
 // bits.
 #pragma once
@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "layers/instruction_set.hpp"
 #include "layers/linear/node_range.hpp"
 #include "layers/linear/team.hpp"
 
@@ -21,12 +22,24 @@ struct SpringRows {
   const float* stiffness;
 };
 
+// The same with the derivatives of axial springs (springs/blocks.hpp), K = T' n n^T + a (I - n n^T) + T_u n w^T and
+// D = T_u n n^T: [spring][8] n, a, w and T_u; and T' by themselves.
+struct AxialRows {
+  const std::uint32_t* start;
+  const std::uint32_t* second;
+  const double* values;
+  const double* by_length;
+};
+
 // All answer sums over some nodes.
 struct SpringKernels {
   // y += B (x_first - x_second) for the first ends of the springs of some nodes, minus that for the second ends if
   // `to_second`.
   void (*product)(const SpringRows& springs, NodeRange nodes, const float* x, bool to_second, float* y);
   void (*product_double)(const SpringRows& springs, NodeRange nodes, const double* x, bool to_second, double* y);
+  // y -= (velocity_weight D + position_weight K)^T (x_first - x_second), plus that for the second ends if `to_second`.
+  void (*subtract_transposed)(const AxialRows& springs, NodeRange nodes, double velocity_weight, double position_weight,
+                              const double* x, bool to_second, double* y);
   // z = D r; D: [node][3][4], three columns.
   void (*diagonal)(const float* d, NodeRange nodes, const float* r, float* z);
   void (*diagonal_double)(const double* d, NodeRange nodes, const double* r, double* z);
@@ -41,6 +54,9 @@ struct SpringKernels {
   Sums2 (*advance)(float s, const float* p, const float* q, const float* d, const float* w, NodeRange nodes, float* x,
                    float* r, float* z);
 };
+
+// The fastest ones that an instruction set has.
+[[nodiscard]] const SpringKernels& spring_kernels_for(InstructionSet set);
 
 namespace generic {
 const SpringKernels& spring_kernels();

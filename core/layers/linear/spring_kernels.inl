@@ -121,6 +121,63 @@ void product_double(const SpringRows& springs, NodeRange nodes, const double* x,
     product_of<false>(springs, nodes, x, y);
 }
 
+// A number in all places: loaded so, it takes no time to be moved there.
+[[gnu::always_inline]] inline void spread(const double& from, FourDoubles& to) {
+  to = FourDoubles{from, from, from, from};
+}
+
+// With d = x_first - x_second and s = n.d a spring adds
+//   p a d + (p (T' - a) + v T_u) s n + p T_u s w,   p and v the weights of K and D.
+template <bool to_second>
+[[gnu::always_inline]] inline void subtract_transposed_of(const AxialRows& rows, NodeRange nodes,
+                                                          double velocity_weight, double position_weight,
+                                                          const double* x, double* y) {
+  const AxialRows springs = rows;
+  FourDoubles v, p;
+  spread(velocity_weight, v);
+  spread(position_weight, p);
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    const std::size_t begin = springs.start[k - nodes.begin], end = springs.start[k - nodes.begin + 1];
+    if (begin == end) continue;
+    FourDoubles here, own, sum{};
+    load(x + 4 * k, here);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t j = springs.second[i];
+      const double* const values = springs.values + 8 * i;
+      FourDoubles there, normal, across, a, by_rate, by_length;
+      load(x + 4 * j, there);
+      load(values, normal);
+      load(values + 4, across);
+      spread(values[3], a);
+      spread(values[7], by_rate);
+      spread(springs.by_length[i], by_length);
+      const FourDoubles d = here - there, terms = normal * d,
+                        s = __builtin_shufflevector(terms, terms, 0, 0, 0, 0) +
+                            __builtin_shufflevector(terms, terms, 1, 1, 1, 1) +
+                            __builtin_shufflevector(terms, terms, 2, 2, 2, 2);
+      const FourDoubles force = p * a * d + (p * (by_length - a) + v * by_rate) * s * normal + p * by_rate * s * across;
+      sum += force;
+      if constexpr (to_second) {
+        FourDoubles other;
+        load(y + 4 * j, other);
+        other += force;
+        store(other, y + 4 * j);
+      }
+    }
+    load(y + 4 * k, own);
+    own -= sum;
+    store(own, y + 4 * k);
+  }
+}
+
+void subtract_transposed(const AxialRows& springs, NodeRange nodes, double velocity_weight, double position_weight,
+                         const double* x, bool to_second, double* y) {
+  if (to_second)
+    subtract_transposed_of<true>(springs, nodes, velocity_weight, position_weight, x, y);
+  else
+    subtract_transposed_of<false>(springs, nodes, velocity_weight, position_weight, x, y);
+}
+
 template <class Number>
 [[gnu::always_inline]] inline void times_columns(const Number* d, const FourOf<Number>& r, FourOf<Number>& z) {
   FourOf<Number> first, second, third;
@@ -209,8 +266,8 @@ Sums2 advance(float s, const float* RESTRICT p, const float* RESTRICT q, const f
 }  // namespace
 
 const SpringKernels& spring_kernels() {
-  static constexpr SpringKernels table{product, product_double, diagonal,  diagonal_double, dot,
-                                       square,  add_and_dot,    scale_add, advance};
+  static constexpr SpringKernels table{product, product_double, subtract_transposed, diagonal,  diagonal_double,
+                                       dot,     square,         add_and_dot,         scale_add, advance};
   return table;
 }
 

@@ -134,17 +134,20 @@ void LawAnswers::weigh(const double* weights, const NodeArrays& nodes) {
     }
   }
   if (several) return;
+  if (piece_.of == ParameterPiece::Of::springs) {
+    const SegmentGeometry& g = *segment_;
+    const bool relative = group_->spring.relative || group_->viscosity.relative;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+      const Vector3 between = weight_at(layout_.first(members_[i])) - weight_at(layout_.second(members_[i]));
+      weight_[0][i] = -between.dot(Vector3(g.nx[i], g.ny[i], g.nz[i]));
+      if (relative) weight_[1][i] = -between.dot(Vector3(g.sx[i], g.sy[i], g.sz[i]));
+    }
+    return;
+  }
   for (std::size_t i = 0; i < piece_.count; ++i) {
     const std::uint32_t member = members_[i];
     double& weight = weight_[0][i];
     switch (piece_.of) {
-      case ParameterPiece::Of::springs: {
-        const SegmentGeometry& g = *segment_;
-        const Vector3 between = weight_at(layout_.first(member)) - weight_at(layout_.second(member));
-        weight = -between.dot(Vector3(g.nx[i], g.ny[i], g.nz[i]));
-        weight_[1][i] = -between.dot(Vector3(g.sx[i], g.sy[i], g.sz[i]));
-        break;
-      }
       case ParameterPiece::Of::enclosure: {
         const Enclosure& shape = layout_.elements().enclosures()[piece_.begin].shape;
         weight = 0.0;

@@ -48,11 +48,27 @@ template <std::size_t capacity>
 // (T, T', T_u: axial tension and its derivatives with respect to length and rate; Q, Q': force along the relative
 // velocity, direction s, and its derivative). Both are the same seen from either end. K is not symmetric where the
 // viscosity is axial.
+
+// T / l and w of the axial part.
+struct AxialTerms {
+  double tension_over_length = 0.0;  // N/m; 0 where the ends coincide
+  Vector3 across = Vector3::Zero();  // 1/s
+
+  AxialTerms(double tension_over, const Vector3& w) : tension_over_length(tension_over), across(w) {}
+  // normal, along: n and s, zero where the ends coincide or move alike; length m, rate and speed m/s.
+  AxialTerms(const SpringForces& forces, double length, const Vector3& normal, double rate, double speed,
+             const Vector3& along) {
+    if (!(length > 0.0)) return;
+    tension_over_length = forces.tension / length;
+    across = (speed * along - rate * normal) / length;
+  }
+};
+
 struct SpringBlocks {
   Block stiffness;  // K, N/m
   Block damping;    // D, N s/m
 
-  // normal, along: n and s, zero where the ends coincide or move alike; length m, rate and speed m/s.
+  // As AxialTerms.
   SpringBlocks(const SpringForces& forces, double length, const Vector3& normal, double rate, double speed,
                const Vector3& along)
       : damping(Block::Zero()) {
@@ -61,14 +77,21 @@ struct SpringBlocks {
                 (forces.pull / speed) * (Block::Identity() - along * along.transpose());
     else
       damping = forces.by_speed * Block::Identity();
+    add_axial({forces, length, normal, rate, speed, along}, forces.by_length, forces.by_rate, normal);
+  }
+  // Of a spring whose laws are axial.
+  SpringBlocks(const AxialTerms& terms, double by_length, double by_rate, const Vector3& normal)
+      : damping(Block::Zero()) {
+    add_axial(terms, by_length, by_rate, normal);
+  }
+
+ private:
+  void add_axial(const AxialTerms& terms, double by_length, double by_rate, const Vector3& normal) {
     const Block projector = normal * normal.transpose();
-    damping += forces.by_rate * projector;
-    stiffness = forces.by_length * projector;
-    if (length > 0.0) {
-      stiffness += (forces.tension / length) * (Block::Identity() - projector);
-      const Vector3 across = (speed * along - rate * normal) / length;
-      stiffness += forces.by_rate * normal * across.transpose();
-    }
+    damping += by_rate * projector;
+    stiffness = by_length * projector;
+    stiffness += terms.tension_over_length * (Block::Identity() - projector);
+    stiffness += by_rate * normal * terms.across.transpose();
   }
 };
 

@@ -1,0 +1,167 @@
+#include "layers/linear/axial_springs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "layers/law_pair.hpp"
+
+namespace springnet::layers {
+
+AxialSprings::AxialSprings(const Layout& layout, const Evaluator& evaluator)
+    : layout_(layout),
+      evaluator_(evaluator),
+      kernels_(spring_kernels_for(evaluator.instruction_set())),
+      order_(layout) {}
+
+void AxialSprings::follow() {
+  if (!order_.follow()) return;
+  const std::vector<Unit>& units = layout_.units();
+  begin_.clear();
+  std::size_t count = 0;
+  for (const SpringsOfUnit& unit : order_.units())
+    for (const SpringsOfUnit::Part* part : {&unit.within, &unit.leaving}) {
+      begin_.push_back(count);
+      count += part->second.size();
+    }
+  values_.assign(8 * count, 0.0);
+  by_length_.assign(count, 0.0);
+  place_.assign(layout_.spring_count(), 0);
+  place_of_slot_.assign(units.size(), {});
+  copies_.clear();
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    place_of_slot_[u].assign(units[u].spring.size(), 0);
+    for (const Segment& segment : units[u].segments) {
+      for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
+        const std::uint32_t s = units[u].spring[slot];
+        if (s == no_spring) continue;
+        const std::uint32_t other = order_.ends_in(u, segment, s).second;
+        const bool is_within = other >= units[u].first_node && other < units[u].end_node();
+        place_of_slot_[u][slot] = place_[s] =
+            static_cast<std::uint32_t>(begin_[2 * u + (is_within ? 0 : 1)] + order_.units()[u].place[slot]);
+      }
+    }
+    for (const SpringsOfUnit::Incoming& each : order_.units()[u].incoming)
+      copies_.emplace_back(static_cast<std::uint32_t>(begin_[2 * u - 1] + each.from),
+                           static_cast<std::uint32_t>(begin_[2 * u + 1] + each.place));
+  }
+}
+
+struct AxialSprings::Scratch {
+  SegmentGeometry geometry;
+  PairAnswers<max_segment> answers;
+  double tension[max_segment], by_length[max_segment], by_rate[max_segment], across[3][max_segment];
+};
+
+bool AxialSprings::update(double time, const NodeArrays& nodes, const std::vector<std::uint8_t>& constrained) {
+  follow();
+  const auto units = static_cast<std::int64_t>(layout_.units().size());
+  std::vector<std::uint8_t> done(layout_.units().size(), 0);
+#pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
+  for (std::int64_t u = 0; u < units; ++u)
+    done[static_cast<std::size_t>(u)] = update_unit(static_cast<std::size_t>(u), time, nodes, constrained) ? 1 : 0;
+  if (std::find(done.begin(), done.end(), std::uint8_t{0}) != done.end()) return false;
+  for (const auto& [from, to] : copies_) {
+    std::copy_n(values_.data() + 8 * std::size_t{from}, 8, values_.data() + 8 * std::size_t{to});
+    by_length_[to] = by_length_[from];
+  }
+  return true;
+}
+
+bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays& nodes,
+                               const std::vector<std::uint8_t>& constrained) {
+  const FlushDenormals flush;  // in every thread
+  const Unit& unit = layout_.units()[index];
+  const Kernels& kernels = kernels_for(evaluator_.instruction_set());
+  const auto scratch = std::make_unique<Scratch>();
+  SegmentGeometry& g = scratch->geometry;
+  const PairOutputs out = scratch->answers.outputs(true, false);
+  springnet_message message{};
+  for (const Segment& segment : unit.segments) {
+    if (segment.dead == segment.count) continue;
+    const Group& group = layout_.laws().groups[segment.group];
+    const SegmentSprings springs = unit.springs_of(segment);
+    kernels.lengths_and_rates(springs, nodes, g);
+    kernels.relative_speeds(springs, nodes, g);
+    if (Unit::is_unsettled(segment)) {
+      kernels.settle_dead(springs, segment.living, g);
+      kernels.settle_dead_speeds(springs, segment.living, g);
+    }
+    const SegmentColumns columns(unit, segment, group);
+    const RowSelection rows =
+        segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()} : RowSelection{nullptr, segment.row};
+    const LawBatch batch{group,
+                         segment.count,
+                         rows,
+                         g.length,
+                         g.rate,
+                         g.speed,
+                         {layout_.internal(), segment.group, nodes, unit.internal_of(segment)},
+                         nullptr,
+                         {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}};
+    if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) return false;
+    const std::size_t count = segment.count;
+    double *const tension = scratch->tension, *const by_length = scratch->by_length, *const by_rate = scratch->by_rate;
+    for (double* sum : {tension, by_length, by_rate}) std::fill_n(sum, count, 0.0);
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (!*group.laws()[k]) continue;
+      const PairAnswers<max_segment>& own = scratch->answers;
+      for (std::size_t i = 0; i < count; ++i) {
+        tension[i] += own.force[k][i];
+        by_length[i] += own.by_q[k][i];
+        by_rate[i] += own.by_rate[k][i];
+      }
+    }
+    const double *const normal[3] = {g.nx, g.ny, g.nz}, *const along[3] = {g.sx, g.sy, g.sz};
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < count; ++i)
+        scratch->across[c][i] = (g.speed[i] * along[c][i] - g.rate[i] * normal[c][i]) / g.length[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t slot = segment.begin + i;
+      const std::uint32_t s = unit.spring[slot];
+      if (s == no_spring) continue;
+      const std::size_t place = place_of_slot_[index][slot];
+      double* const to = values_.data() + 8 * place;
+      const bool has_length = g.length[i] > 0.0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        to[c] = normal[c][i];
+        to[4 + c] = has_length ? scratch->across[c][i] : 0.0;
+      }
+      to[3] = has_length ? tension[i] / g.length[i] : 0.0;
+      to[7] = by_rate[i];
+      by_length_[place] = by_length[i];
+      if (!std::isfinite(tension[i] + by_length[i] + by_rate[i]) &&
+          (constrained[layout_.first(s)] == 0 || constrained[layout_.second(s)] == 0))
+        return false;
+    }
+  }
+  return true;
+}
+
+SpringBlocks AxialSprings::blocks(std::uint32_t spring) const {
+  const std::size_t place = place_[spring];
+  const double* const from = values_.data() + 8 * place;
+  const Vector3 normal(from[0], from[1], from[2]), across(from[4], from[5], from[6]);
+  return {AxialTerms(from[3], across), by_length_[place], from[7], normal};
+}
+
+void AxialSprings::subtract_transposed(double velocity_weight, double position_weight, const double* x,
+                                       double* y) const {
+  const std::vector<Unit>& units = layout_.units();
+#pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
+  for (std::int64_t index = 0; index < static_cast<std::int64_t>(units.size()); ++index) {
+    const FlushDenormals flush;  // in every thread
+    const auto u = static_cast<std::size_t>(index);
+    const NodeRange nodes{units[u].first_node, std::size_t{units[u].first_node} + units[u].node_count};
+    const SpringsOfUnit& own = order_.units()[u];
+    for (const bool is_within : {true, false}) {
+      const SpringsOfUnit::Part& part = is_within ? own.within : own.leaving;
+      const std::size_t begin = begin_[2 * u + (is_within ? 0 : 1)];
+      const AxialRows rows{part.start.data(), part.second.data(), values_.data() + 8 * begin,
+                           by_length_.data() + begin};
+      kernels_.subtract_transposed(rows, nodes, velocity_weight, position_weight, x, is_within, y);
+    }
+  }
+}
+
+}  // namespace springnet::layers

@@ -1,0 +1,48 @@
+// Derivatives of springs whose laws act along their axes, nine numbers each, for products over all of them: the matrix
+// and its parts are never written. Springs lie as SpringOrder has them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "layers/evaluator.hpp"
+#include "layers/linear/spring_kernels.hpp"
+#include "layers/linear/spring_order.hpp"
+#include "layers/springs/blocks.hpp"
+
+namespace springnet::layers {
+
+class AxialSprings {
+ public:
+  // References must outlive it.
+  AxialSprings(const Layout& layout, const Evaluator& evaluator);
+
+  // Evaluates the laws of all springs at a state. False: one of them failed, or its answer is not finite, of a spring
+  // that does not join two constrained nodes ([node] 1).
+  [[nodiscard]] bool update(double time, const NodeArrays& nodes, const std::vector<std::uint8_t>& constrained);
+  [[nodiscard]] SpringBlocks blocks(std::uint32_t spring) const;
+  // y -= (velocity_weight D + position_weight K)^T x, summed over all springs; [node][4]: x, y, z and 0, in y one of no
+  // meaning.
+  void subtract_transposed(double velocity_weight, double position_weight, const double* x, double* y) const;
+
+ private:
+  struct Scratch;
+  void follow();
+  [[nodiscard]] bool update_unit(std::size_t index, double time, const NodeArrays& nodes,
+                                 const std::vector<std::uint8_t>& constrained);
+
+  const Layout& layout_;
+  const Evaluator& evaluator_;
+  const SpringKernels& kernels_;
+  SpringOrder order_;
+  std::vector<std::size_t> begin_;  // [unit][2] of its springs within, and of those that leave it
+  std::vector<std::vector<std::uint32_t>> place_of_slot_;        // [unit][slot]
+  std::vector<std::uint32_t> place_;                             // [spring] one of its places
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> copies_;  // places of one spring: from, to
+  std::vector<double> values_;                                   // [place][8], see AxialRows
+  std::vector<double> by_length_;                                // [place]
+};
+
+}  // namespace springnet::layers
