@@ -38,6 +38,7 @@ class NodeOnSurfaces {
 
   [[nodiscard]] std::optional<OutputDerivative> derivative() const {
     const Touch& touch = how_.touch;
+    if (how_.kept && !touch.slides) return matched(carried_by(touch.surface));
     if (touch.third >= 0) return at_vertex();
     if (touch.second >= 0) {
       if (const auto found = matched(along_edge())) return found;

@@ -39,6 +39,18 @@ std::vector<double> times_of(const MotionDerivatives& motion) {
   return times;
 }
 
+// Those whose times the derivatives leave as they are, at the ends of steps. Others were located within a step.
+std::vector<Event> not_located(const MotionDerivatives& motion) {
+  constexpr double rounding = 1e-6;  // of a step
+  const double start = motion.time(0), step = motion.time(1) - start;
+  std::vector<Event> result = motion.events();
+  std::erase_if(result, [&](const Event& each) {
+    const double steps = (each.time - start) / step;
+    return std::abs(steps - std::round(steps)) > rounding;
+  });
+  return result;
+}
+
 }  // namespace
 
 template <class Work>
@@ -122,7 +134,7 @@ VectorXd Fit::residuals(const VectorXd& x) {
 
 void Fit::note_events(std::vector<std::string>& notes) const {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    const std::string text = note_of_events(runs_[i].motion->events(), runs_[i].events_at_start);
+    const std::string text = note_of_events(not_located(*runs_[i].motion), runs_[i].events_at_start);
     if (text.empty()) continue;
     notes.push_back((runs_.size() > 1 ? fmt::format("Experiment {}: ", i + 1) : "") + text);
   }

@@ -83,7 +83,7 @@ std::string note_of_events(const std::vector<Event>& events, const std::vector<E
   return fmt::format(
       "The motion has {}, from {:g} s on; {} of them in other steps than with the values at the start. Derivatives are "
       "those of a motion in which the same happens in the same steps: how the times of events move with the values is "
-      "not part of them.",
+      "not part of them; with events = \"located\" it is, but for steps that are then not divided.",
       text, first->time, moved > 0 ? fmt::format("{}", moved) : "none");
 }
 

@@ -47,10 +47,10 @@ struct LearnedValues {
 [[nodiscard]] SPRINGNET_API std::string_view member_name(LearnedValues::Kind kind, bool of_elements) noexcept;
 
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
-// SimulationOptions::time_step. Derivatives are those of motions in which the same happens in the same steps: springs
-// break, nodes touch, slip and leave surfaces. How the times of such events move with the values is not part of them.
-// Changes at times, events that are located, steps that were divided, nodes that are jammed, contact of nodes with
-// rigid connections, and those that join more than 100 nodes are refused with a message.
+// SimulationOptions::time_step. With events = "located" the times at which springs break, nodes touch, slip and leave
+// surfaces move with the values, and that is part of the derivatives. Without, they are those of motions in which the
+// same happens in the same steps. Changes at times, steps that were divided as they did not settle, nodes that are
+// jammed, contact of nodes with rigid connections, and those that join more than 100 nodes are refused with a message.
 class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
@@ -71,15 +71,14 @@ class SPRINGNET_API MotionDerivatives {
   // a step fails, or has what cannot be differentiated; there is then no trajectory.
   void run(const Eigen::VectorXd& values);
 
-  // What happened in the last run: cuts, ruptures, contacts. A step is differentiated with what it had: derivatives are
-  // those of motions in which the same happens in the same steps. How the times of events move with the values is not
-  // part of them.
+  // What happened in the last run: cuts, ruptures, contacts.
   [[nodiscard]] std::vector<Event> events() const;
 
-  // Bytes that the states of the runs to come may take [1 GiB]. If not all fit, some are kept together with saved
-  // states of the simulation, and the others are made again, with the same bits, where they are asked for: by
-  // adjoint() in the order of binomial checkpoints (revolve), by tangent(), positions() and velocities() once if they
-  // are asked for in rising order. run() throws Error(input) that tells the least if it is too little.
+  // Bytes that the states of the runs to come may take [1 GiB], without those at located events. If not all fit, some
+  // are kept together with saved states of the simulation, and the others are made again, with the same bits, where
+  // they are asked for: by adjoint() in the order of binomial checkpoints (revolve), by tangent(), positions() and
+  // velocities() once if they are asked for in rising order. run() throws Error(input) that tells the least if it is
+  // too little.
   void set_memory(std::size_t bytes);
   // Of the last run, and since.
   struct Kept {
