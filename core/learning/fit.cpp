@@ -103,30 +103,51 @@ void Fit::set_guess_weight(double weight) {
   root_guess_weight_ = std::sqrt(weight);
 }
 
+double Fit::steps() const {
+  std::size_t sum = 0;
+  for (const Run& each : runs_) sum += each.motion->step_count();
+  return static_cast<double>(sum);
+}
+
 bool Fit::run(const VectorXd& x) {
   if (at_.size() == x.size() && at_ == x) return true;
+  if (!move(variables_->values(x))) return false;
+  at_ = x;
+  return true;
+}
+
+bool Fit::move(const VectorXd& values) {
   at_.resize(0);
+  count(1.0);
   try {
-    const VectorXd values = variables_->values(x);
     for_each_run([&](std::size_t k) { runs_[k].motion->run(values); });
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::plugin) throw;
     failure_ = error.what();
     return false;
   }
-  at_ = x;
   return true;
+}
+
+void Fit::add_residuals(const VectorXd& values, VectorXd& out) {
+  for_each_run([&](std::size_t k) {
+    Run& each = runs_[k];
+    each.observed.residuals(*each.motion, values, out.segment(each.first, each.observed.count()));
+  });
+}
+
+double Fit::cost_of(const VectorXd& values) {
+  if (!move(values)) return std::numeric_limits<double>::quiet_NaN();
+  VectorXd residuals = VectorXd::Zero(rows_);
+  add_residuals(values, residuals);
+  return 0.5 * residuals.squaredNorm();
 }
 
 VectorXd Fit::residuals(const VectorXd& x) {
   const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? x.size() : 0;
   VectorXd result = VectorXd::Constant(rows_ + guess_rows, std::numeric_limits<double>::quiet_NaN());
   if (!run(x)) return result;
-  const VectorXd values = variables_->values(x);
-  for_each_run([&](std::size_t k) {
-    Run& each = runs_[k];
-    each.observed.residuals(*each.motion, values, result.segment(each.first, each.observed.count()));
-  });
+  add_residuals(variables_->values(x), result);
   if (guess_rows > 0)
     result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(variables_->scale());
   return result;
@@ -149,6 +170,7 @@ MatrixXd Fit::times(const MatrixXd& changes) {
   const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? changes.rows() : 0;
   MatrixXd result = MatrixXd::Zero(rows_ + guess_rows, changes.cols());
   const MatrixXd values = variables_->times(at_, changes);
+  count(static_cast<double>(changes.cols()));
   for_each_run([&](std::size_t k) {
     const Run& each = runs_[k];
     each.motion->tangent(values, [&](std::size_t state, const MatrixXd& positions, const MatrixXd& velocities) {
@@ -163,6 +185,7 @@ MatrixXd Fit::times(const MatrixXd& changes) {
 
 VectorXd Fit::transposed_times(const VectorXd& weights) {
   std::vector<VectorXd> gradients(runs_.size());
+  count(1.0);
   for_each_run([&](std::size_t k) {
     const Run& each = runs_[k];
     VectorXd directly = VectorXd::Zero(static_cast<Eigen::Index>(each.motion->value_count()));

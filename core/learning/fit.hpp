@@ -37,6 +37,11 @@ class Fit {
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
   [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
+  // 1/2 their squares, without those of the guess, with values of one's own; not a number where a motion fails.
+  [[nodiscard]] double cost_of(const Eigen::VectorXd& values);
+  // Steps of all motions; and a count to which those made from now on are added, see LearnProgress::work.
+  [[nodiscard]] double steps() const;
+  void count_in(double& work) { work_ = &work; }
   // A note for each motion of the last residuals in which something breaks, or contact changes.
   void note_events(std::vector<std::string>& notes) const;
   // Derivatives at x, which has finite residuals.
@@ -53,6 +58,11 @@ class Fit {
     std::vector<Event> events_at_start;
   };
   [[nodiscard]] bool run(const Eigen::VectorXd& x);
+  [[nodiscard]] bool move(const Eigen::VectorXd& values);
+  void add_residuals(const Eigen::VectorXd& values, Eigen::VectorXd& out);
+  void count(double motions) const {
+    if (work_ != nullptr) *work_ += motions * steps();
+  }
   // Calls work(k) for each experiment, in threads.
   template <class Work>
   void for_each_run(const Work& work) const;
@@ -65,6 +75,7 @@ class Fit {
   Eigen::Index rows_ = 0;
   Eigen::VectorXd at_;  // of the motions; empty: one has failed
   std::string failure_;
+  double* work_ = nullptr;
 };
 
 }  // namespace springnet::learning

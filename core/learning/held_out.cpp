@@ -45,4 +45,21 @@ void Judge::judge(const Eigen::VectorXd& x, LearnedNet& learned) {
     learned.notes.push_back("The motion of what was held out fails with the learned values: " + fit.why_failed());
 }
 
+void Judge::judge_half_step(const Eigen::VectorXd& x, LearnedNet& learned) {
+  if (experiments_.empty() || !std::isfinite(learned.held_out.rms)) return;
+  try {
+    Fit half(with_half_the_step(experiments_), plugins_, learnables_, 0.0, threads_, memory_);
+    const Variables& variables = half.variables();
+    learned.held_out.half_step_rms =
+        rms_of(half.residuals(x.cwiseMax(variables.lower()).cwiseMin(variables.upper())), half.observed());
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::plugin) throw;  // else it stays unknown, as that of the values is
+  }
+}
+
+std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) {
+  for (Experiment& each : experiments) each.options.time_step *= 0.5;
+  return experiments;
+}
+
 }  // namespace springnet::learning

@@ -14,6 +14,8 @@ namespace springnet::learning {
 // The experiments that are learned from. Throws Error(input) for one without any observations.
 [[nodiscard]] std::vector<Experiment> learned_from(const std::vector<Experiment>& experiments);
 
+[[nodiscard]] std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments);
+
 class Judge {
  public:
   // Throws Error(input) as Fit, and for a value that is also learned from.
@@ -21,6 +23,8 @@ class Judge {
         const std::vector<Learnable>& learnables, const LearnOptions& options);
   // Sets held_out, of the variables at the start and at x; a motion that fails is a note.
   void judge(const Eigen::VectorXd& x, LearnedNet& learned);
+  // Sets half_step_rms, of the motions with half the time step and these variables; after judge().
+  void judge_half_step(const Eigen::VectorXd& x, LearnedNet& learned);
 
  private:
   std::vector<Experiment> experiments_;  // `observations` are those that were held out

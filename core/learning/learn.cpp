@@ -45,18 +45,14 @@ std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, d
   return result;
 }
 
-std::vector<Experiment> with_half_the_step(std::vector<Experiment> experiments) {
-  for (Experiment& each : experiments) each.options.time_step *= 0.5;
-  return experiments;
-}
-
 // How far the search would go on with the motion of half the time step, to first order; no size: that motion fails.
 VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
                             const learning::Certainty& certainty, const VectorXd& scale, const VectorXd& x,
                             const VectorXd& residuals, const LearnOptions& options, std::vector<std::string>& notes) {
   try {
-    learning::Fit half(with_half_the_step(experiments), plugins, learnables, 0.0, options.threads, options.memory);
+    learning::Fit half(learning::with_half_the_step(experiments), plugins, learnables, 0.0, options.threads,
+                       options.memory);
     const VectorXd other = half.residuals(x);
     if (other.allFinite()) return certainty.change_for(other - residuals).cwiseProduct(scale);
     notes.push_back("How far half the time step would move the values is not known: " + half.why_failed());
@@ -92,6 +88,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
                 "learning: the squares of the differences at the start are not finite: " +
                     (fit.why_failed().empty() ? "a value that was observed is too large" : fit.why_failed()));
   search.stages = std::max(1, options.stages);
+  fit.count_in(search.work);
   double stage_weight = options.guess_weight, greatest_weight = 0.0;
   if (by_rule) {
     fit.linearise(variables.start());
@@ -113,6 +110,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
       const std::vector<Experiment> part = first_part(experiments, share);
       if (part.empty()) continue;
       learning::Fit fit_of_part(part, plugins, learnables, stage_weight, options.threads, options.memory);
+      fit_of_part.count_in(search.work);
       search.stage = search.stages - 1 - stage;
       start = search.run(fit_of_part, better(fit_of_part), share, false).x;
     }
@@ -166,6 +164,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
   result.undetermined = certainty.undetermined();
   const VectorXd shift = shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals,
                                             options, result.notes);
+  if (shift.size() > 0) judge.judge_half_step(minimum.x + shift, result);
   learning::describe(result, variables, minimum.x, &certainty, shift);
   learning::add_notes(result);
   return result;

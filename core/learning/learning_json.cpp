@@ -13,9 +13,24 @@ using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json course(const LearnCourse& of) {
+  Json points = Json::array();
+  for (const LearnCourse::Point& each : of.points) {
+    Json values = Json::array();
+    for (const double value : each.values) values.push_back(value);
+    points.push_back({{"work_in_motions", each.work},
+                      {"cost", number(each.cost)},
+                      {"rms", number(each.rms)},
+                      {"values", std::move(values)}});
+  }
+  return {{"method", of.method}, {"parameters", of.parameters}, {"points", std::move(points)}};
+}
+
 }  // namespace
 
 std::string to_json(const LearnedNet& learned) {
+  Json courses = Json::array();
+  for (const LearnCourse& each : learned.courses) courses.push_back(course(each));
   Json parameters = Json::array();
   for (const LearnedParameter& each : learned.parameters) {
     Json entry{{"kind", name_of(each.kind)}};
@@ -73,7 +88,9 @@ std::string to_json(const LearnedNet& learned) {
   if (learned.held_out.observed > 0)
     json["held_out"] = {{"observed_values", learned.held_out.observed},
                         {"start_rms", number(learned.held_out.start_rms)},
-                        {"rms", number(learned.held_out.rms)}};
+                        {"rms", number(learned.held_out.rms)},
+                        {"half_time_step_rms", number(learned.held_out.half_step_rms)}};
+  if (!learned.courses.empty()) json["courses"] = std::move(courses);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

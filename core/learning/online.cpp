@@ -122,7 +122,9 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
     const double cost = learner.step(seen), count = static_cast<double>(seen.value_count());
     if (!(count > 0.0)) continue;
     LearnProgress now{step, learner.time() / last, cost, std::sqrt(2.0 * cost / count), {}};
+    now.done = now.share;
     result.history.push_back(now);
+    now.work = static_cast<double>(step) * static_cast<double>(1 + variables.count());
     now.values = learner.values();
     if (!on_step || on_step(now)) continue;
     result.reason = "It was stopped; the values are those until then.";

@@ -66,6 +66,7 @@ Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) 
     if (!options.on_iteration || stopped) return !stopped;
     LearnProgress told = progress(now);
     told.values = variables.values(best);
+    told.work = work;
     stopped = !options.on_iteration(told);
     return !stopped;
   };

@@ -22,6 +22,7 @@ struct Search {
   std::vector<LearnProgress>& history;
   int start = 0, stage = 0, stages = 1;  // of the next leg
   bool stopped = false;
+  double work = 0.0;  // see LearnProgress; Fit::count_in()
 
   // is_last: others lead to a search that goes on from there.
   [[nodiscard]] Minimum run(Fit& fit, const Eigen::VectorXd& from, double share, bool is_last);

@@ -124,9 +124,13 @@ Of members_of(const Network& network, const Selection& selection) {
     names.push_back(body.name);
   }
   const bool is_group = selection.body.find('/') != std::string_view::npos;
-  const std::string nearest = suggestion(selection.body, names);
-  refuse(selection.text, fmt::format("there is no {} '{}'{}{}", is_group ? "group" : "body",
-                                     printable(std::string(selection.body)), nearest.empty() ? "" : "; ", nearest));
+  constexpr std::size_t most_listed = 20;
+  if (names.empty()) refuse(selection.text, "the network has no bodies with a name; leave out '@BODY'");
+  std::string known = suggestion(selection.body, names);
+  if (names.size() > most_listed) names.resize(most_listed);
+  if (known.empty()) known = "there are: " + printable(fmt::format("{}", fmt::join(names, ", ")));
+  refuse(selection.text, fmt::format("there is no {} '{}'; {}", is_group ? "group" : "body",
+                                     printable(std::string(selection.body)), known));
 }
 
 template <class Takes>

@@ -13,6 +13,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "learn_compare.hpp"
 #include "learn_experiments.hpp"
 #include "learn_page.hpp"
 #include "process.hpp"
@@ -61,6 +62,7 @@ struct LearnArguments {
   std::vector<std::string> parameters;
   std::string method = "trajectory";
   double rate = OnlineOptions{}.rate;
+  bool compare = false;
   std::string optimiser;
   int iterations = 100;
   int starts = 1;
@@ -83,15 +85,21 @@ constexpr const char* state_file = "learning.state";
 constexpr Optimiser optimisers[] = {Optimiser::levenberg_marquardt, Optimiser::lbfgs, Optimiser::descent};
 
 void check(const LearnArguments& arguments) {
-  if (arguments.method != "online") return;
-  const std::pair<const char*, bool> of_trajectories[] = {{"--experiment", !arguments.experiments.empty()},
-                                                          {"--optimiser", !arguments.optimiser.empty()},
+  const bool is_online = arguments.method == "online";
+  const std::pair<const char*, bool> of_several_runs[] = {{"--experiment", !arguments.experiments.empty()},
                                                           {"--starts", arguments.starts > 1},
                                                           {"--resume", arguments.resume}};
-  for (const auto& [name, is_given] : of_trajectories)
-    if (is_given)
+  for (const auto& [name, is_given] : of_several_runs) {
+    if (is_given && is_online)
       throw Error(ErrorKind::input,
                   fmt::format("{} is of --method trajectory; 'online' goes through one motion once", name));
+    if (is_given && arguments.compare)
+      throw Error(ErrorKind::input, fmt::format("--compare shows both methods from one start through one motion, from "
+                                                "its beginning: leave out {}",
+                                                name));
+  }
+  if (is_online && !arguments.compare && !arguments.optimiser.empty())
+    throw Error(ErrorKind::input, "--optimiser is of --method trajectory; with 'online' it needs --compare");
 }
 
 // Throws Error(input) if there is none.
@@ -118,6 +126,13 @@ void set_guess_weight(LearnOptions& options, const std::string& text) {
   }
 }
 
+// With the width alone where the ends do not differ in the digits that are shown.
+std::string interval_of(const LearnedParameter& each) {
+  const std::string lower = fmt::format("{:.6g}", each.lower), upper = fmt::format("{:.6g}", each.upper);
+  if (lower != upper) return lower + " to " + upper;
+  return fmt::format("{} ± {:.1g}", lower, 0.5 * (each.upper - each.lower));
+}
+
 // One row for each variable; two for a field, where it is least and greatest.
 std::string table_of(const LearnedNet& learned) {
   constexpr std::size_t most = 12;
@@ -129,12 +144,11 @@ std::string table_of(const LearnedNet& learned) {
       return;
     }
     std::string interval = std::isfinite(each.determined) ? "not determined" : "not known";
-    if (std::isfinite(each.upper)) interval = fmt::format("{:.6g} to {:.6g}", each.lower, each.upper);
+    if (std::isfinite(each.upper)) interval = interval_of(each);
     if (each.at_bound) interval += ", at its bound";
-    rows.push_back(
-        {fmt::format("{} of {} {}{}", name_of(each), member_name(each.kind, each.of_elements), each.member, which),
-         fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
-         std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
+    rows.push_back({value_title(each) + which, fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value),
+                    interval,
+                    std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
   };
   for (const LearnedParameter& each : learned.parameters) {
     if (each.variable != variable) continue;  // of one that stands there already
@@ -172,10 +186,14 @@ std::string report_of(const LearnedNet& learned) {
   if (!learned.guess_curve.empty())
     text += fmt::format("\n  weight of the guess: {:.4g}, from {} tried\n", learned.guess_weight,
                         learned.guess_curve.size());
-  if (learned.held_out.observed > 0)
-    text +=
-        fmt::format("\n  held out: {} values, rms of their weighted differences {:.4g} at first, {:.4g} at the end\n",
-                    learned.held_out.observed, learned.held_out.start_rms, learned.held_out.rms);
+  if (learned.held_out.observed > 0) {
+    text += fmt::format("\n  held out: {} values, rms of their weighted differences {:.4g} at first, {:.4g} at the end",
+                        learned.held_out.observed, learned.held_out.start_rms, learned.held_out.rms);
+    if (std::isfinite(learned.held_out.half_step_rms))
+      text += fmt::format(", about {:.4g} with half the time step", learned.held_out.half_step_rms);
+    text += "\n";
+  }
+  if (!learned.courses.empty()) text += comparison_table(learned.courses);
   for (const std::string& note : learned.notes) text += fmt::format("  note: {}\n", note);
   return text;
 }
@@ -196,8 +214,12 @@ int run(const LearnArguments& arguments) {
   for (const std::string& each : arguments.parameters)
     learnables.push_back(select_learnable(scene.network, *host, each));
   std::vector<Experiment> experiments{experiment_of(scene, arguments.observations)};
-  for (const std::string& each : arguments.experiments)
-    experiments.push_back(experiment_of(each, arguments.scene, *host));
+  std::vector<Scene> scenes{scene};
+  for (const std::string& each : arguments.experiments) {
+    SceneExperiment own = experiment_of(each, arguments.scene, *host);
+    scenes.push_back(std::move(own.scene));
+    experiments.push_back(std::move(own.experiment));
+  }
   Experiment& experiment = experiments.front();
   if (!arguments.held_out.empty()) experiment.held_out = observations_of(scene, arguments.held_out);
   for (Experiment& each : experiments) each.observations.outlier_distance = arguments.outlier_distance;
@@ -219,16 +241,30 @@ int run(const LearnArguments& arguments) {
   options.max_iterations = arguments.iterations;
   options.memory = static_cast<std::size_t>(arguments.memory * (1 << 20));
   set_guess_weight(options, arguments.guess_weight);
-  options.on_iteration = [&](const LearnProgress& now) {
+  const auto show_iteration = [&](const LearnProgress& now) {
     return progress.search(now.done, text_of(now, arguments.starts));
+  };
+  const auto show_step = [&](const LearnProgress& now) {
+    return progress.update(now.share * scene.duration, scene.duration);
+  };
+  ToldProgress told;
+  options.on_iteration = [&](const LearnProgress& now) {
+    if (arguments.compare) told.add(now);
+    return show_iteration(now);
+  };
+  const auto on_step = [&](const LearnProgress& now) {
+    if (arguments.compare) told.add(now);
+    return show_step(now);
   };
   OnlineOptions online;
   online.rate = arguments.rate;
   online.memory = options.memory;
   if (arguments.method == "online") experiment.options.threads = scene.options.threads;
-  LearnedNet learned = arguments.method == "online" ? learn_online(experiment, host, learnables, online,
-                                                                   [](const LearnProgress&) { return !interrupted(); })
+  LearnedNet learned = arguments.method == "online" ? learn_online(experiment, host, learnables, online, on_step)
                                                     : learn(experiments, host, learnables, options);
+  if (arguments.compare)
+    add_courses(learned, arguments.method, told,
+                {experiment, host, learnables, options, online, show_iteration, show_step});
   progress.finish();
   std::vector<std::string> notes = arguments.scene.plugins.notes(*host, scene);
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
@@ -237,7 +273,12 @@ int run(const LearnArguments& arguments) {
   scene.network = with_values(experiment.network, host, learnables, learned.values);
   const std::string json = to_json(learned);
   write_whole({folder, learning_file}, json);
-  write_learning_page({folder, page_file}, scene, host, *experiment.network, experiment.observations, learned);
+  std::vector<LearnedMotion> motions;
+  for (std::size_t k = 0; k < experiments.size(); ++k) {
+    scenes[k].network = with_values(experiments[k].network, host, learnables, learned.values);
+    motions.push_back({std::move(scenes[k]), experiments[k]});
+  }
+  write_learning_page({folder, page_file}, motions, host, learned);
   write_whole({folder, learned_file}, to_scene(scene, *host));
   if (!learned.stopped) remove_output({folder, state_file});
   if (arguments.output.json) {
@@ -257,7 +298,7 @@ void add_learn(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<LearnArguments>();
   CLI::App* const command = app.add_subcommand("learn", "Identify parameters of a scene from observed motion");
   arguments->scene.add_to(*command, true);
-  command->add_option("--observations", arguments->observations, "Tables of what was observed")
+  command->add_option("--observations", arguments->observations, "Tables of what was observed; SCENE stands before them")
       ->type_name("FILE...")
       ->required();
   command
@@ -282,7 +323,12 @@ void add_learn(CLI::App& app, Action& action) {
                    "levenberg: Gauss-Newton steps with damping (Levenberg, Marquardt); lbfgs: quasi-Newton steps from "
                    "gradients alone, for very many values; descent: the paper's, with momentum [levenberg]")
       ->check(CLI::IsMember({"levenberg", "lbfgs", "descent"}));
-  command->add_option("--rate", arguments->rate, "Of --method online: how far each gradient step goes [0.05]")
+  command->add_flag("--compare", arguments->compare,
+                    "Learn by the other method, too, from the same start: the page has the cost of the whole motion "
+                    "and the values over the work of both");
+  command
+      ->add_option("--rate", arguments->rate,
+                   "Of --method online: how far each gradient step goes, above 0 to 1 [0.05]")
       ->type_name("R")
       ->check(number_between(above_zero, 1.0));
   command->add_option("--iterations", arguments->iterations, "The most iterations of the search [100]")

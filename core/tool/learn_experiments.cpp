@@ -21,7 +21,7 @@ Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::
   return result;
 }
 
-Experiment experiment_of(const std::string& text, const SceneArguments& first, const PluginHost& host) {
+SceneExperiment experiment_of(const std::string& text, const SceneArguments& first, const PluginHost& host) {
   const std::size_t sign = text.find('=');
   std::vector<std::filesystem::path> files;
   for (std::size_t begin = sign; begin != std::string::npos;) {
@@ -37,7 +37,9 @@ Experiment experiment_of(const std::string& text, const SceneArguments& first, c
                                               printable(text)));
   SceneArguments arguments = first;
   arguments.file = text.substr(0, sign);
-  return experiment_of(arguments.load(host), files);
+  Scene scene = arguments.load(host);
+  Experiment experiment = experiment_of(scene, files);
+  return {std::move(scene), std::move(experiment)};
 }
 
 }  // namespace springnet::tool

@@ -18,8 +18,14 @@ namespace springnet::tool {
 // The scene with these tables.
 [[nodiscard]] Experiment experiment_of(const Scene& scene, const std::vector<std::filesystem::path>& files);
 
+struct SceneExperiment {
+  Scene scene;
+  Experiment experiment;
+};
+
 // "SCENE=FILE,FILE,…"; overrides of the first scene count for it, too. Throws Error(input) for other texts, for files
 // that cannot be read or do not fit, and for a net with other nodes, springs or elements than the first.
-[[nodiscard]] Experiment experiment_of(const std::string& text, const SceneArguments& first, const PluginHost& host);
+[[nodiscard]] SceneExperiment experiment_of(const std::string& text, const SceneArguments& first,
+                                            const PluginHost& host);
 
 }  // namespace springnet::tool

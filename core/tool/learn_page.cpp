@@ -48,6 +48,44 @@ Figure course_of(const LearnedNet& learned) {
   return result;
 }
 
+// Both methods over the work, with the values of some parameters; no panels: they were not compared.
+Figure comparison_of(const LearnedNet& learned) {
+  constexpr std::size_t most_parameters = 4;
+  Figure result{"Both methods from the same start",
+                {"The cost of the whole motion with the values at that time. Work: a motion counts 1, and so does each "
+                 "derivative of it by a variable, or backwards."},
+                {}};
+  const auto panel_of = [&](const std::string& y_label, const auto& value_at) {
+    FigurePanel panel;
+    panel.x_label = "work, whole motions";
+    panel.y_label = y_label;
+    panel.is_path = true;  // each point is one that was found
+    for (const LearnCourse& course : learned.courses) {
+      constexpr std::size_t most_markers = 40;  // that can be told apart
+      FigureCurve curve{course.method, {}, {}, false, course.points.size() <= most_markers};
+      for (const LearnCourse::Point& each : course.points) {
+        curve.x.push_back(each.work);
+        curve.y.push_back(value_at(each));
+      }
+      panel.curves.push_back(std::move(curve));
+    }
+    result.panels.push_back(std::move(panel));
+  };
+  if (learned.courses.empty()) return result;
+  panel_of("log10 of the rms of weighted differences",
+           [](const LearnCourse::Point& each) { return std::log10(each.rms); });
+  const std::vector<std::size_t>& parameters = learned.courses.front().parameters;
+  for (std::size_t k = 0; k < std::min(parameters.size(), most_parameters); ++k) {
+    const LearnedParameter& each = learned.parameters[parameters[k]];
+    panel_of(value_title(each),
+             [k](const LearnCourse::Point& point) { return point.values[static_cast<Eigen::Index>(k)]; });
+  }
+  if (parameters.size() > most_parameters)
+    result.notes.push_back(
+        fmt::format("The values of the first {} variables; learning.json has more.", most_parameters));
+  return result;
+}
+
 // Values of one kind over their members: start, learned, ends of the intervals.
 std::vector<Figure> values_of(const LearnedNet& learned) {
   std::map<std::string, std::vector<const LearnedParameter*>> kinds;
@@ -110,6 +148,8 @@ std::string unit_of(const LearnedParameter& each, const Network& network, const 
     case Kind::neuron_parameter:
       return unit_in(plugins, ComponentKind::neuron, network.neurons()[network.nodes()[each.member].neuron],
                      each.parameter);
+    case Kind::gravity:
+      return "m/s²";
     case Kind::load:
       return "";
     case Kind::spring_parameter:
@@ -136,31 +176,35 @@ std::vector<ViewValues> painted(const LearnedNet& learned, const Network& networ
     });
     if (found == result.end()) found = result.insert(result.end(), ViewValues{of, name, unit, {}});
     found->values.push_back({each.member, each.start, each.value, each.lower, each.upper, each.determined,
-                             std::isfinite(each.lower) && std::isfinite(each.upper)});
+                             each.from_guess, std::isfinite(each.lower) && std::isfinite(each.upper)});
   }
   return result;
 }
 
-// Those that have a place.
-std::vector<ViewPoint> places_of(const Observations& observations, std::vector<std::string>& notes) {
-  std::vector<ViewPoint> result;
-  std::size_t incomplete = 0;
-  for (const Observations::VectorRow& each : observations.positions) {
-    if (each.weight.minCoeff() > 0.0) {
-      result.push_back({each.time, each.value, each.node});
-    } else if (each.weight.maxCoeff() > 0.0) {
-    case Kind::gravity:
-      return "m/s²";
-      ++incomplete;
+// Adds those that have a place or belong to a node.
+void add_places(const Observations& observations, bool held_out, LearnedView& to) {
+  using What = ViewPoint::What;
+  const auto add = [&](const std::vector<Observations::VectorRow>& rows, What what, const char* name) {
+    std::size_t incomplete = 0;
+    for (const Observations::VectorRow& each : rows) {
+      if (each.weight.minCoeff() > 0.0) {
+        to.observed.push_back({each.time, each.value, each.node, what, held_out});
+      } else if (each.weight.maxCoeff() > 0.0) {
+        ++incomplete;
+      }
     }
-  }
+    if (incomplete > 0)
+      to.notes.push_back(fmt::format("{} {}{} lack a coordinate and are not drawn", incomplete,
+                                     held_out ? "held-out " : "observed ", name));
+  };
+  add(observations.positions, What::position, "positions");
+  add(observations.velocities, What::velocity, "velocities");
+  add(observations.reactions, What::force, "forces");
   for (const Observations::SurfacePoint& each : observations.surface_points)
-    if (each.weight > 0.0) result.push_back({each.time, each.point, ViewPoint::no_node});
-  if (incomplete > 0)
-    notes.push_back(fmt::format("{} observed positions lack a coordinate and are not drawn", incomplete));
-  if (!observations.velocities.empty() || !observations.distances.empty() || !observations.reactions.empty())
-    notes.emplace_back("of what was observed, positions are drawn; velocities, distances and forces are not");
-  return result;
+    if (each.weight > 0.0) to.observed.push_back({each.time, each.point, ViewPoint::no_node, What::position, held_out});
+  if (!observations.distances.empty())
+    to.notes.push_back(
+        fmt::format("{}distances are not drawn", held_out ? "of what was held out, " : "of what was observed, "));
 }
 
 // Advances until it fails; then it stays where it is.
@@ -175,20 +219,10 @@ bool advance(Simulation& simulation, double time, std::string& failure) {
   return failure.empty();
 }
 
-}  // namespace
-
-void write_learning_page(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                         const Network& start, const Observations& observations, const LearnedNet& learned) {
-  const auto view = std::make_shared<LearnedView>();
-  view->values = painted(learned, start, *plugins);
-  view->notes = learned.notes;
-  view->observed = places_of(observations, view->notes);
-  std::vector<Figure> figures{course_of(learned)};
-  for (Figure& each : values_of(learned)) figures.push_back(std::move(each));
-  view->below = part_of_page(figures);
-
-  ViewWriter page(file, scene, {scene.output.view_size, plugins, view});
-  Simulation after(scene.network, plugins, scene.options), before(start, plugins, scene.options);
+// Records both motions to the end of the scene.
+void play(const LearnedMotion& motion, const std::shared_ptr<const PluginHost>& plugins, ViewWriter& page) {
+  const Scene& scene = motion.scene;
+  Simulation after(scene.network, plugins, scene.options), before(*motion.before.network, plugins, scene.options);
   page.record(after, before);
   const double interval = std::max(scene.output.interval, scene.options.time_step);
   std::string failure, failure_before;
@@ -198,7 +232,42 @@ void write_learning_page(const OutputFile& file, const Scene& scene, const std::
     if (advance(after, time, failure)) page.record(after, before);
   }
   if (!failure.empty()) page.failed(failure);
-  page.close();
+}
+
+}  // namespace
+
+std::string value_title(const LearnedParameter& parameter) {
+  if (parameter.kind == LearnedValues::Kind::gravity) return name_of(parameter);
+  return fmt::format("{} of {} {}", name_of(parameter), member_name(parameter.kind, parameter.of_elements),
+                     parameter.member);
+}
+
+void write_learning_page(const OutputFile& file, const std::vector<LearnedMotion>& motions,
+                         const std::shared_ptr<const PluginHost>& plugins, const LearnedNet& learned) {
+  std::vector<Figure> figures{course_of(learned)};
+  if (!learned.courses.empty()) figures.push_back(comparison_of(learned));
+  for (Figure& each : values_of(learned)) figures.push_back(std::move(each));
+  const Network& network = *motions.front().before.network;
+  const double size = motions.front().scene.output.view_size, share = 1.0 / static_cast<double>(motions.size());
+  std::unique_ptr<ViewWriter> page;
+  for (const LearnedMotion& motion : motions) {
+    const auto view = std::make_shared<LearnedView>();
+    view->values = painted(learned, network, *plugins);
+    view->notes = learned.notes;
+    add_places(motion.before.observations, false, *view);
+    add_places(motion.before.held_out, true, *view);
+    if (!page) view->below = part_of_page(figures);
+    const ViewOptions options{size, plugins, view, share};
+    ViewWriter* to = page.get();
+    if (page) {
+      to = &page->add(motion.scene, options);
+    } else {
+      page = std::make_unique<ViewWriter>(file, motion.scene, options);
+      to = page.get();
+    }
+    play(motion, plugins, *to);
+  }
+  page->close();
 }
 
 }  // namespace springnet::tool

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <springnet/learn.hpp>
 #include <springnet/output_folder.hpp>
@@ -9,8 +11,18 @@
 
 namespace springnet::tool {
 
-// scene: with the values that were learned; start: its network before. Simulates both. Throws OutputError.
-void write_learning_page(const OutputFile& file, const Scene& scene, const std::shared_ptr<const PluginHost>& plugins,
-                         const Network& start, const Observations& observations, const LearnedNet& learned);
+// "spring.stiffness of spring 3", "gravity.z"
+[[nodiscard]] std::string value_title(const LearnedParameter& parameter);
+
+// An experiment: its scene with the values that were learned, and what it was before.
+struct LearnedMotion {
+  Scene scene;
+  const Experiment& before;
+};
+
+// Of the first one the page tells the values and the course; a menu chooses the motion. Simulates all, before and
+// after. Throws OutputError.
+void write_learning_page(const OutputFile& file, const std::vector<LearnedMotion>& motions,
+                         const std::shared_ptr<const PluginHost>& plugins, const LearnedNet& learned);
 
 }  // namespace springnet::tool

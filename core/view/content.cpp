@@ -126,6 +126,18 @@ void write_faces(std::ostream& out, const Content& content) {
   write_block(out, "face_frames", torn);
 }
 
+void write_motion(std::ostream& out, const Motion& motion, const std::vector<std::string>& titles) {
+  const Content& content = motion.content;
+  out << "<script type=\"application/json\" id=\"description\">"
+      << describe(content, motion.rounded.has_value(), titles) << "</script>\n";
+  write_nodes(out, content);
+  write_springs(out, content);
+  write_arrows(out, content.forces);
+  write_faces(out, content);
+  write_frames(out, content.frames, motion.rounded);
+  if (content.learned) write_learned(out, content);
+}
+
 // Before base64.
 double raw_frame_bytes(const Content& content, bool rounded) {
   const auto nodes = static_cast<double>(content.selection.nodes.size());
@@ -183,16 +195,18 @@ bool must_round(const Content& content, double size) {
   return base_bytes(content) + frames * frame_bytes(content, false) > size;
 }
 
-void write_page(std::ostream& out, const Content& content, const std::optional<Ranges>& rounded) {
+void write_page(std::ostream& out, const std::vector<Motion>& motions) {
+  std::vector<std::string> titles;
+  for (const Motion& each : motions) titles.push_back(each.content.scene.title);
   out << before_data;
-  out << "<script type=\"application/json\" id=\"description\">" << describe(content, rounded.has_value())
-      << "</script>\n";
-  write_nodes(out, content);
-  write_springs(out, content);
-  write_arrows(out, content.forces);
-  write_faces(out, content);
-  write_frames(out, content.frames, rounded);
-  if (content.learned) write_learned(out, content);
+  write_motion(out, motions.front(), titles);
+  if (motions.front().content.learned) out << motions.front().content.learned->below;
+  // What is in a template is not part of the page until its program looks for it, so names do not clash.
+  for (std::size_t k = 1; k < motions.size(); ++k) {
+    out << "<template id=\"motion" << k + 1 << "\">\n";
+    write_motion(out, motions[k], titles);
+    out << "</template>\n";
+  }
   out << after_data;
 }
 

@@ -59,6 +59,12 @@ struct Content {
 [[nodiscard]] bool must_round(const Content& content, double size);
 
 // With 16 bit numbers in these ranges, or with 32 bit floats.
-void write_page(std::ostream& out, const Content& content, const std::optional<Ranges>& rounded);
+struct Motion {
+  const Content& content;
+  std::optional<Ranges> rounded;
+};
+
+// A page that plays them, one at a time, the first one first.
+void write_page(std::ostream& out, const std::vector<Motion>& motions);
 
 }  // namespace springnet::view

@@ -141,7 +141,7 @@ Json learned_of(const Content& content) {
 
 }  // namespace
 
-std::string describe(const Content& content, bool rounded) {
+std::string describe(const Content& content, bool rounded, const std::vector<std::string>& motions) {
   const Scene& scene = content.scene;
   const Network& network = scene.network;
   Json materials = Json::array();
@@ -171,6 +171,7 @@ std::string describe(const Content& content, bool rounded) {
             {"energy_leaves_out", left_out_of_energy(content)},
             {"failure", content.failure},
             {"learned", learned_of(content)},
+            {"motions", motions},
             {"notes", content.notes}};
   std::string text = json.dump(1, ' ', true, Json::error_handler_t::replace);
   // A "</script>" in a title must not end the element.

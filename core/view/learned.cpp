@@ -16,8 +16,13 @@ namespace springnet::view {
 
 namespace {
 
-constexpr double value_bytes = 4.0 + 5.0 * 4.0;  // place; start, value, ends, share
-constexpr double point_bytes = 4.0 + 3.0 * 4.0;  // node; x, y, z
+constexpr double value_bytes = 4.0 + 6.0 * 4.0;        // place; start, value, ends, two shares
+constexpr double point_bytes = 4.0 + 3.0 * 4.0 + 1.0;  // node; x, y, z; what
+
+// What the page's program reads: 0 position, 1 velocity, 2 force, and 4 more if it was held out.
+std::uint8_t kind_of(const ViewPoint& point) {
+  return static_cast<std::uint8_t>(static_cast<unsigned>(point.what) + (point.held_out ? 4 : 0));
+}
 
 // What is not known has no interval: nan. Other numbers beyond the range of float become its largest.
 float float_of(double number) {
@@ -97,7 +102,8 @@ void check(const LearnedView& learned, const Network& network) {
       if (each.member >= count) refuse(of_nodes ? "node" : of_elements ? "element" : "spring", each.member, count);
   }
   for (const ViewPoint& each : learned.observed)
-    if (each.node != ViewPoint::no_node && each.node >= network.nodes().size())
+    if ((each.node != ViewPoint::no_node || each.what != ViewPoint::What::position) &&
+        each.node >= network.nodes().size())
       refuse("node", each.node, network.nodes().size());
 }
 
@@ -111,18 +117,20 @@ double values_bytes(const Content& content) {
 
 double observed_bytes(const LearnedView* learned) {
   if (learned == nullptr) return 0.0;
-  std::set<NodeIndex> nodes;
-  std::map<double, std::size_t> others;
+  std::set<std::pair<NodeIndex, std::uint8_t>> nodes;
+  std::map<std::pair<std::uint8_t, double>, std::size_t> others;
   for (const ViewPoint& each : learned->observed) {
     if (each.node == ViewPoint::no_node) {
-      ++others[each.time];
+      ++others[{kind_of(each), each.time}];
     } else {
-      nodes.insert(each.node);
+      nodes.insert({each.node, kind_of(each)});
     }
   }
-  std::size_t most = 0;
-  for (const auto& [time, count] : others) most = std::max(most, count);
-  return 4.0 + point_bytes * static_cast<double>(nodes.size() + most);
+  std::map<std::uint8_t, std::size_t> most;
+  for (const auto& [of, count] : others) most[of.first] = std::max(most[of.first], count);
+  std::size_t points = nodes.size();
+  for (const auto& [kind, count] : most) points += count;
+  return 4.0 + point_bytes * static_cast<double>(points);
 }
 
 double learned_cost(const LearnedView& learned, const Network& network, double frames) {
@@ -133,21 +141,22 @@ double learned_cost(const LearnedView& learned, const Network& network, double f
 
 ObservedFrames observed_frames(const LearnedView& learned, const std::vector<double>& times,
                                const Selection& selection) {
-  // Of each frame: the nearest point of each node; and those without a node, of the nearest time that has any.
+  // Of each frame, and of each kind: the nearest of each node; and those without a node, of the nearest time that has
+  // any.
   struct Frame {
-    std::map<NodeIndex, const ViewPoint*> nodes;
-    std::vector<const ViewPoint*> others;
+    std::map<std::pair<NodeIndex, std::uint8_t>, const ViewPoint*> nodes;
+    std::map<std::uint8_t, std::vector<const ViewPoint*>> others;
   };
   std::vector<Frame> frames(times.size());
   for (const ViewPoint& each : learned.observed) {
     const std::size_t k = nearest(times, each.time);
     const double gap = std::abs(each.time - times[k]);
     if (each.node != ViewPoint::no_node) {
-      const ViewPoint*& known = frames[k].nodes[each.node];
+      const ViewPoint*& known = frames[k].nodes[{each.node, kind_of(each)}];
       if (known == nullptr || gap < std::abs(known->time - times[k])) known = &each;
       continue;
     }
-    std::vector<const ViewPoint*>& others = frames[k].others;
+    std::vector<const ViewPoint*>& others = frames[k].others[kind_of(each)];
     if (!others.empty() && others.front()->time != each.time) {
       if (gap >= std::abs(others.front()->time - times[k])) continue;
       others.clear();
@@ -157,12 +166,14 @@ ObservedFrames observed_frames(const LearnedView& learned, const std::vector<dou
   ObservedFrames result;
   const auto add = [&](const ViewPoint& point, std::uint32_t node) {
     result.nodes.push_back(node);
+    result.kinds.push_back(kind_of(point));
     for (const double x : point.point) result.points.push_back(to_float(x));
   };
   for (const Frame& frame : frames) {
     result.first.push_back(static_cast<std::uint32_t>(result.nodes.size()));
-    for (const auto& [node, point] : frame.nodes) add(*point, selection.node_place[node]);
-    for (const ViewPoint* const point : frame.others) add(*point, not_shown);
+    for (const auto& [of, point] : frame.nodes) add(*point, selection.node_place[of.first]);
+    for (const auto& [kind, points] : frame.others)
+      for (const ViewPoint* const point : points) add(*point, not_shown);
   }
   result.first.push_back(static_cast<std::uint32_t>(result.nodes.size()));
   return result;
@@ -180,8 +191,8 @@ void write_learned(std::ostream& out, const Content& content) {
       if (place == not_shown) continue;
       places.push_back(place);
       const bool has = each.has_interval;
-      for (const double number :
-           {each.start, each.value, has ? each.lower : std::nan(""), has ? each.upper : std::nan(""), each.determined})
+      for (const double number : {each.start, each.value, has ? each.lower : std::nan(""),
+                                  has ? each.upper : std::nan(""), each.determined, each.from_guess})
         numbers.push_back(float_of(number));
     }
     write_block(out, fmt::format("learned{}_places", k), places);
@@ -191,7 +202,7 @@ void write_learned(std::ostream& out, const Content& content) {
   write_block(out, "observed_first", observed.first);
   write_block(out, "observed_nodes", observed.nodes);
   write_block(out, "observed_points", observed.points);
-  out << learned.below;
+  write_block(out, "observed_kinds", observed.kinds);
 }
 
 }  // namespace springnet::view

@@ -16,11 +16,12 @@ void check(const LearnedView& learned, const Network& network);
 [[nodiscard]] double observed_bytes(const LearnedView* learned);
 [[nodiscard]] double learned_cost(const LearnedView& learned, const Network& network, double frames);
 
-// A place is in the frame next to its time, and of a node only the one whose time is nearest to that of the frame.
+// What was observed is in the frame next to its time; of each kind of a node only what is nearest to that of the frame.
 struct ObservedFrames {
   std::vector<std::uint32_t> first;  // of each frame, and the number of all
   std::vector<std::uint32_t> nodes;  // places in the selection; not_shown: of none that is shown
   std::vector<float> points;         // x, y, z of each
+  std::vector<std::uint8_t> kinds;   // ViewPoint::What, and 4 more of what was held out
 };
 [[nodiscard]] ObservedFrames observed_frames(const LearnedView& learned, const std::vector<double>& times,
                                              const Selection& selection);

@@ -77,18 +77,24 @@ springnet again.</p>
 }  // namespace
 
 PageWriter::PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options, bool resumes)
-    : file_(file), size_(options.size), content_(make_content(scene, size_, options.plugins.get(), options.learned)) {
+    : PageWriter(scene, options) {
+  file_ = file;
+  closed_ = resumes;
+  if (!resumes) go_on();
+}
+
+PageWriter::PageWriter(const Scene& scene, const ViewOptions& options)
+    : size_(program_bytes() + options.share * (options.size - program_bytes())),
+      content_(make_content(scene, size_, options.plugins.get(), options.learned)) {
   content_.plugins = options.plugins;
   left_out_ = content_.selection.notes;
   left_out_.insert(left_out_.end(), content_.forces.notes.begin(), content_.forces.notes.end());
   if (content_.learned)
     left_out_.insert(left_out_.begin(), content_.learned->notes.begin(), content_.learned->notes.end());
-  closed_ = resumes;
-  if (!resumes) go_on();
 }
 
 void PageWriter::go_on() {
-  CheckedFile out(file_, CheckedFile::make_room);
+  CheckedFile out(*file_, CheckedFile::make_room);
   out.write(not_ended.data(), not_ended.size());
   out.close();
   closed_ = false;
@@ -223,20 +229,27 @@ void PageWriter::note_omissions(const std::optional<Ranges>& rounded) {
   left_out_.insert(left_out_.end(), notes.begin(), notes.end());
 }
 
-void PageWriter::close() {
-  if (closed_ || content_.frames.count() == 0) return;
-  closed_ = true;
+Motion PageWriter::finished() {
   drop_rounding(floors_of(content_.scene, content_.selection, content_.plugins.get()), content_.frames);
   std::optional<Ranges> rounded;
   if (must_round(content_, size_)) rounded = ranges_of(content_.frames);
   note_omissions(rounded);
   content_.notes = left_out_;
+  return {content_, rounded};
+}
+
+void PageWriter::close() {
+  if (!file_ || closed_ || content_.frames.count() == 0) return;
+  closed_ = true;
+  std::vector<Motion> motions{finished()};
+  for (PageWriter* const each : others_)
+    if (each->content_.frames.count() > 0) motions.push_back(each->finished());
   try {
-    WholeFile page(file_);
-    write_page(page.stream(), content_, rounded);
+    WholeFile page(*file_);
+    write_page(page.stream(), motions);
     page.finish();
   } catch (...) {
-    remove_output(file_);  // the page written at the start, which says that the run has not ended
+    remove_output(*file_);  // the page written at the start, which says that the run has not ended
     throw;
   }
 }

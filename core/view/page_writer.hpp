@@ -22,10 +22,14 @@ class PageWriter {
   // Writes a page that says that the run has not ended. Throws Error(input) if it cannot be created.
   // resumes: no page is written before go_on().
   PageWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options, bool resumes = false);
+  // Of a further motion, for add().
+  PageWriter(const Scene& scene, const ViewOptions& options);
   ~PageWriter();  // closes it, and ignores errors
   PageWriter(const PageWriter&) = delete;
   PageWriter& operator=(const PageWriter&) = delete;
 
+  // A further motion of this page, which must be there when it is closed.
+  void add(PageWriter& motion) { others_.push_back(&motion); }
   void record(const Record& record);
   // Of the motion before learning, after record() at that time.
   void record_start(const Simulation& simulation);
@@ -45,13 +49,15 @@ class PageWriter {
   void take_springs(const Record& record);
   void take_surfaces(const Simulation& simulation);
   void note_omissions(const std::optional<Ranges>& rounded);
+  [[nodiscard]] Motion finished();
 
-  OutputFile file_;
-  double size_;  // bytes
+  std::optional<OutputFile> file_;  // none: of a further motion
+  double size_;                     // bytes, of the program and of this motion
   Content content_;
   std::array<std::uint64_t, 7> counts_{};  // of each kind of event
   std::size_t events_read_ = 0;            // events of the simulation that were read so far
   std::vector<std::string> left_out_;
+  std::vector<PageWriter*> others_;
   bool closed_ = false;
 };
 

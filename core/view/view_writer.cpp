@@ -1,5 +1,7 @@
 #include <springnet/view.hpp>
 
+#include <utility>
+
 #include "view/page_writer.hpp"
 
 namespace springnet {
@@ -7,14 +9,23 @@ namespace springnet {
 struct ViewWriter::Impl {
   Impl(const OutputFile& file, const Scene& scene, const ViewOptions& options)
       : state(scene.network), page(file, scene, options) {}
+  Impl(const Scene& scene, const ViewOptions& options) : state(scene.network), page(scene, options) {}
 
   Record state;
-  view::PageWriter page;
+  std::vector<std::unique_ptr<ViewWriter>> others;
+  view::PageWriter page;  // closed before the others are gone
 };
 
 ViewWriter::ViewWriter(const OutputFile& file, const Scene& scene, const ViewOptions& options)
     : impl_(std::make_unique<Impl>(file, scene, options)) {}
+ViewWriter::ViewWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ViewWriter::~ViewWriter() = default;
+
+ViewWriter& ViewWriter::add(const Scene& scene, const ViewOptions& options) {
+  impl_->others.push_back(std::unique_ptr<ViewWriter>(new ViewWriter(std::make_unique<Impl>(scene, options))));
+  impl_->page.add(impl_->others.back()->impl_->page);
+  return *impl_->others.back();
+}
 
 void ViewWriter::record(const Simulation& simulation) {
   impl_->state.take(simulation);

@@ -1,4 +1,5 @@
 // learning.html in a headless Chromium: colours, values and motions against the result of the command that wrote it.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -71,6 +72,34 @@ Seen observe(const Scene& real) {
     }
   }
   return seen;
+}
+
+// Tables of what else can be observed: two velocities and a force at one time; and what is held out, node 3 at records
+// that `observe` leaves out.
+struct Beside {
+  std::string velocities = "time,node,vx,vy,vz\n", forces = "time,node,rx,ry,rz,weight\n0.2,1,3,0,4,1e-12\n";
+  std::string held_out = "time,node,x,y,z\n";
+  Vector3 velocity, held;  // of node 4 after 10 records; of node 3 after 18
+};
+Beside observe_beside(const Scene& real) {
+  Beside beside;
+  Simulation simulation(real.network, testing::plugins(), real.options);
+  for (int record = 1; record <= 18; ++record) {
+    simulation.step();
+    if (record == 10) {
+      beside.velocity = simulation.velocity(4);
+      for (int node = 4; node < 6; ++node) {
+        const Vector3 v = simulation.velocity(static_cast<NodeIndex>(node));
+        beside.velocities += fmt::format("{},{},{},{},{}\n", simulation.time(), node, v.x(), v.y(), v.z());
+      }
+    }
+    if (record != 10 && record != 18) continue;
+    beside.held = simulation.position(record == 18 ? 3 : 2);
+    if (record == 18)
+      beside.held_out +=
+          fmt::format("{},3,{},{},{}\n", simulation.time(), beside.held.x(), beside.held.y(), beside.held.z());
+  }
+  return beside;
 }
 
 using Colour = std::array<double, 3>;
@@ -230,4 +259,102 @@ TEST_CASE("learning.html shows the values, the intervals and the motions of the 
   CHECK(learned["element"].dump().find(fmt::format("\"element.spring.stiffness\",\"{:.5g}",
                                                    bends[0]["value"].get<double>())) != std::string::npos);
   CHECK(has(found["notes"].dump(), "1 observed positions lack a coordinate"));
+}
+
+TEST_CASE("learning.html shows several experiments, velocities, forces, what was held out and the share of the guess") {
+  const TemporaryFolder folder;
+  folder.write("real.toml", chain(400, 20));
+  folder.write("guess.toml", chain(300, 25));
+  std::string lifted = chain(300, 25), real_lifted = chain(400, 20);
+  for (std::string* const each : {&lifted, &real_lifted}) {
+    each->replace(each->find("a <b>chain</b>"), 14, "the chain, lifted");
+    each->replace(each->find("[0, 1, -9.81]"), 13, "[0, 1, 6]");
+  }
+  folder.write("lifted.toml", lifted);
+  folder.write("real_lifted.toml", real_lifted);
+  const Scene real = load_scene(folder.path() / "real.toml", *testing::plugins());
+  const Beside beside = observe_beside(real);
+  folder.write("seen.csv", observe(real).table);
+  folder.write("velocities.csv", beside.velocities);
+  folder.write("forces.csv", beside.forces);
+  folder.write("held_out.csv", beside.held_out);
+  folder.write("seen_lifted.csv", observe(load_scene(folder.path() / "real_lifted.toml", *testing::plugins())).table);
+  const testing::Answer answer = testing::springnet(
+      folder,
+      "learn guess.toml --observations seen.csv velocities.csv forces.csv --experiment lifted.toml=seen_lifted.csv "
+      "--held-out held_out.csv --guess-weight 0.01 --parameters spring.stiffness,viscosity.damping:together -o out "
+      "--json");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  const auto stiffnesses = values_of(answer.json(), "spring", false);
+  const std::string address = "file://" + (folder.path() / "out/learning.html").string();
+  const auto look = [&](const std::string& after) {
+    const testing::Visit page = testing::visit(folder, address + "#selftest=1" + after, "--dump-dom");
+    CHECK(testing::console(page.log) == "");
+    nlohmann::json found = testing::element(page.dom, "selftest");
+    CHECK(found["errors"] == nlohmann::json::array());
+    return found;
+  };
+  const nlohmann::json found = look("");
+  const nlohmann::json& learned = found["learned"];
+  CHECK(learned["experiments"] == nlohmann::json({"1: a <b>chain</b>", "2: the chain, lifted"}));
+  CHECK(learned["motions"]["shown"] == 1);
+
+  // The share of the guess: all of the spring between fixed nodes, which nothing that moves depends on.
+  const nlohmann::json& paint = learned["paints"]["spring.stiffness, from the guess (% of the value)"];
+  CHECK(paint["open"] == 0);
+  CHECK_FALSE(has(paint["legend"], "not determined"));
+  REQUIRE(paint["springs"].size() == 15);
+  for (std::size_t k = 0; k < 5; ++k)
+    check_colour(paint["springs"], k, colour_at(of_values, stiffnesses[k]["from_guess"].get<double>()));
+  CHECK(stiffnesses[0]["from_guess"].get<double>() > stiffnesses[4]["from_guess"].get<double>());
+
+  // In the middle record, velocities and the force at the nodes; what was held out in the record next to it alone.
+  const nlohmann::json& middle = learned["records"][1];
+  const auto kinds_in = [](const nlohmann::json& record, int kind) {
+    return std::count(record["kinds"].begin(), record["kinds"].end(), kind);
+  };
+  CHECK(kinds_in(middle, 0) == 4);
+  CHECK(kinds_in(middle, 1) == 2);
+  CHECK(kinds_in(middle, 2) == 1);
+  CHECK(kinds_in(middle, 4) == 0);
+  const auto check_arrow = [&](const nlohmann::json& arrow, std::size_t node, const Vector3& vector,
+                               const Colour& colour) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto component = static_cast<Eigen::Index>(axis);
+      CHECK(std::abs(arrow["direction"][axis].get<double>() - vector.normalized()[component]) < 1e-5);
+      CHECK(arrow["place"][axis] == middle["learned"][3 * node + axis]);
+      CHECK(arrow["colour"][axis] == colour[axis]);
+    }
+  };
+  REQUIRE(middle["arrows"][0].size() == 2);
+  REQUIRE(middle["arrows"][1].size() == 1);
+  check_arrow(middle["arrows"][0][0], 4, beside.velocity, {0, 110, 170});
+  check_arrow(middle["arrows"][1][0], 1, {3, 0, 4}, {170, 70, 0});
+  CHECK(has(found["legend"], "longest observed force 5 N"));
+  for (const char* const what : {"held_out", "velocities", "reactions"}) CHECK(learned["toggled_of"].contains(what));
+  CHECK(has(found["key"], "held out"));
+  CHECK(has(found["notes"].dump(), "1 observed positions lack a coordinate"));
+
+  // The other experiment, by the address: its own motions, and nothing of the first one.
+  const nlohmann::json other = look("&experiment=2");
+  CHECK(other["learned"]["motions"]["shown"] == 2);
+  CHECK(has(other["facts"], "21 records"));
+  const nlohmann::json& last = other["learned"]["records"][2];
+  CHECK(kinds_in(last, 0) == 4);
+  CHECK_FALSE(has(other["key"], "held out"));
+  CHECK(other["learned"]["toggled_of"].empty());
+  Scene after = load_scene(folder.path() / "lifted.toml", *testing::plugins());
+  Simulation before(after.network, testing::plugins(), after.options);
+  before.advance_to(0.4);
+  for (NodeIndex node = 0; node < 6; ++node)
+    for (int axis = 0; axis < 3; ++axis)
+      CHECK(std::abs(last["start"][3 * node + static_cast<std::size_t>(axis)].get<double>() -
+                     before.position(node)[axis]) < 2e-6);
+  CHECK(last["learned"][17].get<double>() > 0.05);  // the end of the chain, upwards
+  // What is hidden by the address.
+  const nlohmann::json hidden = look("&velocities=0&held_out=0&color=spring.stiffness:from_guess");
+  CHECK(hidden["learned"]["records"][1]["arrows"][0].empty());
+  CHECK(hidden["learned"]["records"][1]["arrows"][1].size() == 1);
+  CHECK(hidden["learned"]["first"] == "learned0.from_guess");
 }

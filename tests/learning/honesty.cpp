@@ -170,6 +170,30 @@ TEST_CASE("observations that are held out judge what was learned") {
   CHECK(has(refusal_of([&] { static_cast<void>(judged({}, seen_with(0.01))); }), "all observations are held out"));
 }
 
+TEST_CASE("what the time step takes from the prediction of held-out observations is estimated") {
+  // Without noise, from a motion with far smaller steps: what is left is of the step alone.
+  Simulation real(hanging(real_masses), plugins(), to_learn_with(1.0, 0.05 / 40));
+  Observations seen, held_out;
+  for (int i = 1; i <= 40 * 40; ++i) {
+    real.step();
+    if (i % 40 != 0) continue;
+    for (const NodeIndex k : {2u, 4u, 6u}) seen.positions.push_back(row(real.time(), k, real.position(k)));
+    for (const NodeIndex k : {3u, 5u}) held_out.positions.push_back(row(real.time(), k, real.position(k)));
+  }
+  const auto judged = [&](double step) {
+    Experiment own = experiment(hanging(real_masses), to_learn_with(1.0, step), seen);
+    own.held_out = held_out;
+    return learn({own}, plugins(),
+                 {{{Kind::spring_parameter, false, "stiffness", from_to(0, 6)}, true},
+                  {{Kind::viscosity_parameter, false, "damping", from_to(0, 6)}, true}});
+  };
+  const LearnedNet whole = judged(0.05), half = judged(0.025);
+  CAPTURE(whole.held_out.rms);
+  CHECK(whole.held_out.half_step_rms < 0.7 * whole.held_out.rms);
+  CHECK(whole.held_out.half_step_rms == doctest::Approx(half.held_out.rms).epsilon(0.15));
+  CHECK(has(to_json(whole), "\"half_time_step_rms\": "));
+}
+
 TEST_CASE("from the drop of the paper's cube, exactly the values of the nodes that the plane holds have no influence") {
   // The example's drop, with a step that ends before the first contact. From there on the plane holds the lowest 16
   // nodes, which the net below fixes instead: motions with contact are not differentiated.

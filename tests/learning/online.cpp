@@ -107,6 +107,60 @@ TEST_CASE("the paper's method lowers the cost while the net moves, and does not 
   CHECK(learner.values() == before);
 }
 
+TEST_CASE("both methods are compared by the cost of the whole motion, over the work") {
+  const SimulationOptions options = to_learn_with(0.5, 0.05);
+  const auto guess = std::make_shared<const Network>(driven(24.0, 0.8));
+  const std::vector<Learnable> together{{{Kind::spring_parameter, false, "stiffness", from_to(0, 5)}, true},
+                                        {{Kind::viscosity_parameter, false, "damping", from_to(0, 5)}, true}};
+  Simulation real(driven(30.0, 1.0), plugins(), options);
+  constexpr int steps = 60;
+  const Experiment seen{guess, options, observe(real, steps, from_to(1, 6))};
+  std::vector<LearnProgress> told_whole, told_online;
+  LearnOptions whole;
+  whole.on_iteration = [&](const LearnProgress& now) {
+    told_whole.push_back(now);
+    return true;
+  };
+  const LearnedNet best = learn({seen}, plugins(), together, whole);
+  const LearnedNet online = learn_online(seen, plugins(), together, {}, [&](const LearnProgress& now) {
+    told_online.push_back(now);
+    return true;
+  });
+  const LearnCourse of_whole = course_of("trajectory", told_whole, seen, plugins(), together);
+  const LearnCourse of_online = course_of("online", told_online, seen, plugins(), together);
+  REQUIRE(of_online.points.size() == steps + 1);
+  CHECK(of_online.parameters == std::vector<std::size_t>{0, 5});
+  // The same start and the same measure; each ends with the cost that its method has found.
+  CHECK(of_whole.points.front().cost == of_online.points.front().cost);
+  CHECK(of_whole.points.front().cost == doctest::Approx(best.start_cost).epsilon(1e-12));
+  CHECK(of_online.points.back().cost == doctest::Approx(online.cost).epsilon(1e-9));
+  CHECK(of_whole.points.back().cost <= best.cost + 1e-12 * best.start_cost);
+  CHECK(of_online.points.back().cost < of_online.points.front().cost);
+  CHECK(of_whole.points.back().cost < 1e-6 * of_online.points.back().cost);
+  CHECK(of_online.points.back().values[0] == online.parameters[0].value);
+  CHECK(of_whole.points.back().values[1] == doctest::Approx(1.0).epsilon(1e-5));
+  // A motion with the derivatives by two variables is the work of three; the whole search makes several.
+  CHECK(of_online.points.back().work == doctest::Approx(3.0));
+  CHECK(of_online.points[20].work == doctest::Approx(1.0));
+  const LearnProgress &last = told_whole.back(), &before = told_whole[told_whole.size() - 2];
+  REQUIRE(before.share == 1.0);
+  CHECK(last.work - before.work >= 3.0 * steps);  // of an iteration
+  for (const LearnCourse* const each : {&of_whole, &of_online})
+    CHECK(std::is_sorted(each->points.begin(), each->points.end(),
+                         [](const auto& one, const auto& other) { return one.work < other.work; }));
+  // On the way the values are those of that time: the cost of a motion that goes on with them.
+  const LearnCourse::Point& early = of_online.points[10];
+  const Network with = with_values(guess, plugins(), together, told_online[9].values);
+  Simulation again(with, plugins(), options);
+  double cost = 0.0;
+  for (std::size_t row = 0; row < seen.observations.positions.size(); ++row) {
+    if (row % 5 == 0) again.step();
+    const Observations::VectorRow& each = seen.observations.positions[row];
+    cost += 0.5 * (again.position(each.node) - each.value).squaredNorm();
+  }
+  CHECK(early.cost == doctest::Approx(cost).epsilon(1e-8));
+}
+
 TEST_CASE("online learning refuses sensitivities beyond its memory, and times of other steps") {
   const auto net = std::make_shared<const Network>(driven(24.0, 0.8));
   const std::vector<Learnable> each{{{Kind::spring_parameter, false, "stiffness", from_to(0, 5)}}};

@@ -80,6 +80,90 @@ TEST_CASE("learn finds the values of a run, and writes a scene that runs with th
   CHECK(quiet.json() == testing::read_json(folder.path() / "one/learning.json"));
 }
 
+TEST_CASE("the commands of learning.md that need nothing else find what the page says") {
+  const std::string page = testing::read_text(SPRINGNET_LEARNING_PAGE);
+  const std::size_t begin = page.find("springnet new --example"), end = page.find("```", begin);
+  REQUIRE(end != std::string::npos);
+  const TemporaryFolder folder;
+  const Answer answer =
+      testing::shell(folder, "set -e; springnet() { \"$SPRINGNET\" \"$@\"; }\n" + page.substr(begin, end - begin));
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  CHECK(has(page, "It finds 3 N/m and 2 N s/m in five iterations."));
+  CHECK(has(answer.out, "5 iterations"));
+  CHECK(has(answer.out, "3 ± "));  // the interval is narrower than the digits shown
+  for (const auto& each : testing::read_json(folder.path() / "learned/learning.json")["parameters"])
+    CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 3.0 : 2.0).epsilon(1e-9));
+}
+
+TEST_CASE("learn compares both methods by the cost of the whole motion, in the report, the result and the page") {
+  const TemporaryFolder folder;
+  folder.write("real.toml", bar(400, 3));
+  folder.write("guess.toml", bar(250, 1));
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  const std::string learn =
+      "learn guess.toml --observations seen/trajectory.csv --parameters "
+      "spring.stiffness:together,viscosity.damping:together --compare ";
+  const Answer answer = testing::springnet(folder, learn + "-o both");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  const auto json = testing::read_json(folder.path() / "both/learning.json");
+  REQUIRE(json["courses"].size() == 2);
+  const auto &whole = json["courses"][0], &online = json["courses"][1];
+  CHECK(whole["method"] == "trajectory");
+  CHECK(online["method"] == "online");
+  const std::vector<std::size_t> first = online["parameters"];
+  REQUIRE(first.size() == 2);
+  CHECK(json["parameters"][first[1]]["kind"] == "viscosity");
+  const auto last_of = [](const auto& course) { return course["points"].back(); };
+  CHECK(whole["points"][0]["cost"] == online["points"][0]["cost"]);
+  CHECK(last_of(whole)["cost"].template get<double>() <= json["cost"].get<double>() * (1 + 1e-9) + 1e-20);
+  CHECK(last_of(online)["cost"].template get<double>() < online["points"][0]["cost"].get<double>());
+  CHECK(last_of(online)["cost"].template get<double>() > 10.0 * last_of(whole)["cost"].template get<double>());
+  CHECK(last_of(online)["work_in_motions"] == 3.0);
+  // The table of the report: each with its cost at the end.
+  for (const auto& course : json["courses"])
+    CHECK(has(answer.out, fmt::format("{:.6g}", last_of(course)["cost"].template get<double>())));
+  CHECK(has(answer.out, "WORK, WHOLE MOTIONS"));
+  // The other way round: the values are those of the other method, the courses the same.
+  const Answer other = testing::springnet(folder, learn + "--method online --json -o other");
+  REQUIRE(other.status == 0);
+  CHECK(other.json()["courses"] == json["courses"]);
+  CHECK(other.json()["parameters"][0]["value"] == last_of(online)["values"][0]);
+  // The plot: a panel of the cost and one for each variable, each with both.
+  const std::string page = testing::read_text(folder.path() / "both/learning.html");
+  const std::string begin = "id=\"panels\">";
+  const std::size_t at = page.find(begin);
+  REQUIRE(at != std::string::npos);
+  const auto panels =
+      nlohmann::json::parse(page.substr(at + begin.size(), page.find("</script>", at) - at - begin.size()));
+  std::size_t compared = 0;
+  for (const auto& panel : panels) {
+    if (panel["x_label"] != "work, whole motions") continue;
+    REQUIRE(panel["curves"].size() == 2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto &curve = panel["curves"][k], &points = json["courses"][k]["points"];
+      CHECK(curve["label"] == json["courses"][k]["method"]);
+      REQUIRE(curve["x"].size() == points.size());
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(curve["x"][i] == points[i]["work_in_motions"]);
+        const double expected = compared == 0 ? std::log10(points[i]["rms"].get<double>())
+                                              : points[i]["values"][compared - 1].get<double>();
+        CHECK(curve["y"][i].get<double>() == doctest::Approx(expected).epsilon(1e-12));
+      }
+    }
+    ++compared;
+  }
+  CHECK(compared == 3);
+  CHECK_FALSE(has(testing::springnet(folder,
+                                     "learn guess.toml --observations seen/trajectory.csv --parameters "
+                                     "spring.stiffness:together --json -o alone")
+                      .out,
+                  "courses"));
+  for (const char* const wrong : {"--starts 2", "--resume", "--experiment guess.toml=seen/trajectory.csv"})
+    CHECK(has(testing::springnet(folder, learn + wrong + " -o wrong").err, "leave out --"));
+}
+
 TEST_CASE("learn takes several experiments, optimisers and starts") {
   const TemporaryFolder folder;
   const std::string pull = "[[force]]\nselect = { body = \"bar\", nodes = [0] }\nforce = [30, 0, 0]\n";
@@ -274,6 +358,7 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"absent.csv --parameters mass", "absent.csv"},
         Wrong{"seen.csv --parameters spring.stifness", "did you mean 'stiffness'"},
         Wrong{"seen.csv --parameters mass@bat", "did you mean 'bar'"},
+        Wrong{"seen.csv --parameters mass@liver", "there is no body 'liver'; bodies are: bar"},
         Wrong{"good.csv --parameters mass --experiment bar.toml", "--experiment bar.toml: write SCENE=FILE"},
         Wrong{"good.csv --parameters mass --experiment bar.toml=good.csv,", "write SCENE=FILE"},
         Wrong{"good.csv --parameters mass --experiment bar.toml=odd.csv", "odd.csv:2"},

@@ -62,6 +62,22 @@ struct LearnProgress {
   Eigen::VectorXd values{};  // the best so far, as of MotionDerivatives
   int start = 0;             // see LearnOptions::starts
   double done = 0.0;         // share of the iterations that there are at most
+  // Time steps made since this call began, and those of derivatives: one for each of a motion, backwards, or forwards
+  // by a variable. Not those made to check the input, nor again for want of memory. 0 in LearnedNet::history.
+  double work = 0.0;
+};
+
+// How the cost of the whole motion falls on the way of a search: the same measure for each method.
+struct LearnCourse {
+  struct Point {
+    double work = 0.0;  // as of LearnProgress, in whole motions
+    double cost = 0.0;  // 1/2 sum of the weighted squares of all differences; nan: a motion with these values fails
+    double rms = 0.0;   // their root mean square
+    Eigen::VectorXd values;  // of `parameters`
+  };
+  std::string method;
+  std::vector<std::size_t> parameters;  // of LearnedNet::parameters: the first of each variable, or field, up to 12
+  std::vector<Point> points;            // the first has the values of the network
 };
 
 enum class Optimiser : std::uint8_t {
@@ -87,6 +103,9 @@ enum class GuessRule : std::uint8_t {
 struct HeldOut {
   std::size_t observed = 0;           // values
   double start_rms = 0.0, rms = 0.0;  // of the weighted differences, with the values at the start and those learned
+  // Estimate of what it is with half the time step, learned with it, too (LearnedParameter::by_time_step); nan: not
+  // known. If it is far less, the time step limits how well the motion is told, and not the model.
+  double half_step_rms = std::numeric_limits<double>::quiet_NaN();
 };
 
 // What a search with one weight of the guess has found.
@@ -187,6 +206,7 @@ struct LearnedNet {
   HeldOut held_out;
   std::vector<LearnProgress> history;  // of all stages of the best start, without values
   std::vector<LearnedStart> starts;    // none: there was one
+  std::vector<LearnCourse> courses;    // of methods that were compared, see course_of(); none from learn() itself
   bool stopped = false;                // by on_iteration
   std::string reason;                  // why the search ended
   std::vector<std::string> notes;
@@ -244,6 +264,14 @@ class SPRINGNET_API OnlineLearner {
                                                     const std::vector<Learnable>& learnables,
                                                     const OnlineOptions& options = {},
                                                     const std::function<bool(const LearnProgress&)>& on_step = {});
+
+// The course of learn() or learn_online() through what they have told, with values: of the first start. Simulates the
+// whole motion for each.
+[[nodiscard]] SPRINGNET_API LearnCourse course_of(const std::string& method, const std::vector<LearnProgress>& told,
+                                                  const Experiment& experiment,
+                                                  const std::shared_ptr<const PluginHost>& plugins,
+                                                  const std::vector<Learnable>& learnables,
+                                                  const LearnOptions& options = {});
 
 // The network with values that were learned.
 [[nodiscard]] SPRINGNET_API Network with_values(const std::shared_ptr<const Network>& network,

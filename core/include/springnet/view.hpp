@@ -23,6 +23,7 @@ struct ViewValues {
     double start = 0.0, value = 0.0;
     double lower = 0.0, upper = 0.0;  // ends of the 95 % interval
     double determined = 1.0;          // share that the data determine; nan: not known
+    double from_guess = 0.0;          // share that comes from the guess; nan: not known
     // false: the data say nothing of it. It has no interval then, whatever the ends are.
     bool has_interval = true;
   };
@@ -32,12 +33,15 @@ struct ViewValues {
   std::vector<Value> values;  // of each member once
 };
 
-// A place that was observed: of a node, or of a point of the surface.
+// What was observed: a place of a node or of a point of the surface, or a node's velocity, or the force that holds it.
 struct ViewPoint {
+  enum class What : std::uint8_t { position, velocity, force };
   static constexpr NodeIndex no_node = std::numeric_limits<NodeIndex>::max();
-  double time = 0.0;  // s
-  Vector3 point = Vector3::Zero();
-  NodeIndex node = no_node;
+  double time = 0.0;                // s
+  Vector3 point = Vector3::Zero();  // m, m/s or N
+  NodeIndex node = no_node;         // of a velocity or force there is one
+  What what = What::position;
+  bool held_out = false;  // not learned from
 };
 
 // What a page shows of a net that was learned, beside its motion.
@@ -53,6 +57,8 @@ struct ViewOptions {
   std::shared_ptr<const PluginHost> plugins = nullptr;  // of the run, for the units of laws; null: no units
   // For the page of a learned net: its records have the motion of the start, too.
   std::shared_ptr<const LearnedView> learned = nullptr;
+  // Of what the page's program leaves of the size, the share of this motion, where the page has several.
+  double share = 1.0;
 };
 
 // Collects the records of a run and writes the page. The size of the page bounds the memory: once there are more
@@ -66,6 +72,10 @@ class SPRINGNET_API ViewWriter {
   ~ViewWriter();
   ViewWriter(const ViewWriter&) = delete;
   ViewWriter& operator=(const ViewWriter&) = delete;
+
+  // A further motion, which a menu of the page chooses: record it with the writer that is returned, which belongs to
+  // this one and is closed with it. Give all of them their share of the size.
+  ViewWriter& add(const Scene& scene, const ViewOptions& options);
 
   // Records the present state and the events since the last call.
   void record(const Simulation& simulation);
@@ -82,6 +92,7 @@ class SPRINGNET_API ViewWriter {
 
  private:
   struct SPRINGNET_LOCAL Impl;
+  explicit ViewWriter(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

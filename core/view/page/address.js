@@ -17,14 +17,14 @@
     play: flag("play", !parameters.has("time") && !parameters.has("bare")),
     selftest: flag("selftest", false)
   };
-  ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed"].forEach(function (what) { s.shown[what] = flag(what, s.shown[what]); });
+  ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed", "held_out", "velocities", "reactions"].forEach(function (what) { s.shown[what] = flag(what, s.shown[what]); });
   const colour = parameters.get("color") || parameters.get("colour");
   if (["tension", "speed", "contact"].includes(colour)) s.shown.colour = colour;
   const state = s.run.about.states.findIndex(function (each) { return each.label === colour; });
   if (state >= 0) s.shown.colour = "state" + state;
   // "spring.stiffness", or "spring.stiffness:ratio"
   s.run.learned.forEach(function (each, k) {
-    Object.keys(s.paint_kinds).forEach(function (kind) {
+    each.kinds.forEach(function (kind) {
       if (colour === each.name + ":" + kind || (kind === "value" && colour === each.name)) s.shown.colour = "learned" + k + "." + kind;
     });
   });

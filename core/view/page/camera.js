@@ -54,6 +54,19 @@
         ends.push(start, start.clone().addScaledVector(arrow.direction, arrow.share * length));
       });
     }
+    return ends.concat(observed_ends(nodes_box, longest));
+  }
+  // Of velocities and forces that were observed.
+  function observed_ends(nodes_box, longest) {
+    const ends = [], most = run.observed_kinds ? run.observed_most : 0, stride = Math.max(1, Math.ceil(run.frames * most / 5000));
+    for (let frame = 0; most > 0 && frame < run.frames; frame += stride) {
+      ["velocity", "force"].forEach(function (what) {
+        const length = s.observed_arrow_length(what, longest);
+        s.observed_arrows(what, frame, s.drawn_positions(frame)).forEach(function (arrow) {
+          if (nodes_box.containsPoint(arrow.place)) ends.push(arrow.place.clone().addScaledVector(arrow.direction, arrow.share * length));
+        });
+      });
+    }
     return ends;
   }
 
@@ -76,7 +89,7 @@
     }
     const more = [];
     for (let frame = 0; run.start_positions && frame < run.frames; frame += Math.max(1, stride >> 3)) {
-      more.push(Float32Array.from(s.drawn_start(frame)), Float32Array.from(s.drawn_observed(frame)));
+      more.push(Float32Array.from(s.drawn_start(frame)), Float32Array.from(s.drawn_observed(frame).places));
     }
     more.forEach(function (row) {
       for (let k = 0; k < row.length; k += 3 * stride) {

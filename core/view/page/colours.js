@@ -21,7 +21,8 @@
 
   s.colours = {
     tension: { table: diverging },
-    learned: learned, ratio: ratio, open: [150, 150, 150], start: [225, 110, 20], observed: [10, 130, 60],
+    learned: learned, ratio: ratio, open: [150, 150, 150], start: [225, 110, 20], observed: [10, 130, 60], held_out: [150, 30, 190],
+    velocity: [0, 110, 170], reaction: [170, 70, 0],
     speed: { table: sequential },
     free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], without: [228, 231, 235], rigid: [40, 44, 50],
     force: [26, 127, 70],

@@ -1,10 +1,16 @@
 // Reads the run from the page: each block of numbers is base64 in an element of its own.
 (function (s) {
   s.float_step = Math.pow(2, -24);  // relative rounding of 32 bit floats
-  const about = JSON.parse(document.getElementById("description").textContent);
+  // A page with several motions has a template with the elements of each further one; "#experiment=2" is the first of them.
+  const titles = JSON.parse(document.getElementById("description").textContent).motions;
+  const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("experiment"));
+  const motion = Number.isInteger(wanted) && wanted >= 1 && wanted <= titles.length ? wanted : 1;
+  const elements = motion > 1 ? document.getElementById("motion" + motion).content : document;
+  const about = JSON.parse(elements.getElementById("description").textContent);
+  s.motions = { titles: titles, shown: motion };
 
   function block(name, Type) {
-    const element = document.getElementById(name);
+    const element = elements.getElementById(name);
     const text = atob(element.textContent);
     element.textContent = "";
     const bytes = new Uint8Array(text.length);
@@ -187,5 +193,5 @@
   s.run = run;
   // What is drawn, and how. Set by the page's address and the panel.
   s.shown = { springs: true, broken: true, nodes: nodes <= 20000, faces: true, instruments: true, forces: true,
-              arrows: "resultants", colour: "tension" };
+              held_out: true, velocities: true, reactions: true, arrows: "resultants", colour: "tension" };
 })(springnet);

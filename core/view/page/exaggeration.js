@@ -26,10 +26,16 @@
     return drawn_start;
   };
   s.drawn_observed = function (frame) {
-    const seen = run.observed(frame), out = [];
-    if (s.exaggeration === 1) return seen.points;
+    const seen = run.observed(frame), out = { places: [], held: [] };
     seen.nodes.forEach(function (node, k) {
-      for (let c = 0; node !== run.never && c < 3; ++c) out.push(exaggerated(seen.points[3 * k + c], 3 * node + c));
+      const held = seen.kinds[k] >= 4;
+      if ((seen.kinds[k] & 3) !== 0 || !(held ? s.shown.held_out : s.shown.observed)) return;
+      if (s.exaggeration !== 1 && node === run.never) return;
+      out.held.push(held);
+      for (let c = 0; c < 3; ++c) {
+        const value = seen.points[3 * k + c];
+        out.places.push(s.exaggeration === 1 ? value : exaggerated(value, 3 * node + c));
+      }
     });
     return out;
   };

@@ -19,8 +19,10 @@
     if (!(size > 0) || !(max > 0)) return null;
     const direction = force.clone().multiplyScalar(1 / size);
     // At least a fifth of the longest one, so that small forces are visible.
-    return { place: place, direction: direction, share: Math.max(0.2, size / max), inward: middle.clone().sub(origin).dot(direction) > 0 };
+    return { place: place, direction: direction, share: Math.max(0.2, size / max),
+             inward: origin !== null && middle.clone().sub(origin).dot(direction) > 0 };
   }
+  s.arrow_of = arrow_of;  // origin null: it begins at its place
   function node_place(k, places) { return vector(places, run.arrow_nodes[k]); }
   // Where the resultant of a load acts: the mean of its arrows' nodes, weighted by the forces there.
   function centre_of(load, forces, places) {
@@ -59,35 +61,49 @@
     return arrow.inward ? arrow.place.clone().addScaledVector(arrow.direction, -arrow.share * length) : arrow.place.clone();
   };
 
-  s.Forces = function () {
-    const group = new THREE.Group(), arrow_axis = new THREE.Vector3(0, 1, 0);
+  // Shapes of up to so many arrows, of a colour of their own or this one; width: of the shaft, as a share of a load's.
+  s.ArrowShapes = function (capacity, width_share, common) {
+    const group = new THREE.Group(), arrow_axis = new THREE.Vector3(0, 1, 0), materials = new Map();
     const outline = [[0, 0], [0.018, 0], [0.018, 0.72], [0.06, 0.72], [0, 1]].map(function (each) {
       return new THREE.Vector2(each[0], each[1]);
     });
     const shape = new THREE.LatheBufferGeometry(outline, 20);
-    const colour = new THREE.Color("rgb(" + s.colours.force.join(",") + ")");
-    const material = new THREE.MeshPhongMaterial({ color: colour, shininess: 20 });
     // Arrows behind the body show through it.
-    const shadow_material = new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthTest: false, depthWrite: false });
-    const parts = Array.from({ length: Math.max(count.nodes, count.resultants) }, function () {
-      const part = new THREE.Mesh(shape, material), shadow = new THREE.Mesh(shape, shadow_material);
+    function materials_of(rgb) {
+      const name = "rgb(" + rgb.join(",") + ")", colour = new THREE.Color(name);
+      if (!materials.has(name)) {
+        materials.set(name, [new THREE.MeshPhongMaterial({ color: colour, shininess: 20 }),
+          new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthTest: false, depthWrite: false })]);
+      }
+      return materials.get(name);
+    }
+    const parts = Array.from({ length: capacity }, function () {
+      const part = new THREE.Mesh(shape), shadow = new THREE.Mesh(shape);
       shadow.renderOrder = 4;
       part.add(shadow);
       group.add(part);
       return part;
     });
     this.group = group;
-    this.show = function (frame, places) {
-      const arrows = s.arrows(s.shown.arrows, frame, places), length = s.arrow_length(s.shown.arrows, s.camera.longest_arrow);
+    this.show = function (arrows, length) {
       parts.forEach(function (part, k) {
         const arrow = arrows[k];
         part.visible = Boolean(arrow);
         if (!arrow) return;
-        const width = Math.sqrt(arrow.share) * length;
+        [part.material, part.children[0].material] = materials_of(arrow.colour || common);
+        const width = width_share * Math.sqrt(arrow.share) * length;
         part.scale.set(width, arrow.share * length, width);
         part.quaternion.setFromUnitVectors(arrow_axis, arrow.direction);
         part.position.copy(s.arrow_start(arrow, length));
       });
+    };
+  };
+
+  s.Forces = function () {
+    const shapes = new s.ArrowShapes(Math.max(count.nodes, count.resultants), 1, s.colours.force);
+    this.group = shapes.group;
+    this.show = function (frame, places) {
+      shapes.show(s.arrows(s.shown.arrows, frame, places), s.arrow_length(s.shown.arrows, s.camera.longest_arrow));
     };
   };
 })(springnet);

@@ -5,9 +5,17 @@
 
   function show_arrow_scale() {
     const mode = s.shown.arrows, max = s.arrow_modes.max_force[mode], part = element("legend-arrow");
-    part.hidden = !s.shown.forces || !(s.arrow_modes.max_force.nodes > 0);
-    const what = mode === "resultants" && s.arrow_modes.differ ? ", a load’s resultant" : "";
-    part.textContent = max > 0 ? "longest arrow " + s.force_text(max) + what : "the loads have no resultant: show forces at each node";
+    const what = mode === "resultants" && s.arrow_modes.differ ? ", a load’s resultant" : "", lines = [];
+    if (s.shown.forces && s.arrow_modes.max_force.nodes > 0)
+      lines.push(max > 0 ? "longest arrow " + s.force_text(max) + what : "the loads have no resultant: show forces at each node");
+    // Of what was observed.
+    if (run.is_learned && (s.shown.observed || s.shown.held_out)) {
+      const velocity = run.observed_kinds.largest("velocity"), force = run.observed_kinds.largest("force");
+      if (s.shown.velocities && velocity > 0) lines.push("longest observed velocity " + s.number(velocity, 3) + " m/s");
+      if (s.shown.reactions && force > 0) lines.push("longest observed force " + s.force_text(force));
+    }
+    part.hidden = lines.length === 0;
+    part.textContent = lines.join("; ");
   }
 
   function draw_bar(table) {

@@ -20,22 +20,6 @@
     }
   };
 
-  const counts = { springs: run.springs, nodes: run.nodes, elements: run.elements };
-  run.learned = about.map(function (each, which) {
-    const places = run.block("learned" + which + "_places", Uint32Array), numbers = run.block("learned" + which + "_numbers", Float32Array);
-    const row_of = new Int32Array(counts[each.of]).fill(-1);
-    places.forEach(function (place, row) { row_of[place] = row; });
-    return Object.assign({ count: places.length, row_of: row_of,
-      // Of a place; null if it has no such value. Without an interval its ends are nan.
-      at: function (place) {
-        const row = 5 * row_of[place];
-        return row < 0 ? null : { start: numbers[row], value: numbers[row + 1], lower: numbers[row + 2], upper: numbers[row + 3],
-                                  determined: numbers[row + 4] };
-      } }, each);
-  });
-  // The data say nothing of it. A search that finds no intervals at all does not know.
-  s.is_open = function (found) { return !isFinite(found.upper) && isFinite(found.determined); };
-
   // What colours tell of a value; null: nothing.
   const kinds = {
     value: { label: "learned", of: function (found) { return found.value; } },
@@ -49,15 +33,40 @@
     } },
     determined: { label: "determined by the data", unit: "% of the value", of: function (found) {
       return isFinite(found.determined) ? 100 * found.determined : null;
+    } },
+    from_guess: { label: "from the guess", unit: "% of the value", of: function (found) {
+      return isFinite(found.from_guess) ? 100 * found.from_guess : null;
     } }
   };
+  // Shares are told of values without an interval, too.
+  function is_share(kind) { return kind === "determined" || kind === "from_guess"; }
   s.paint_kinds = kinds;
+
+  const counts = { springs: run.springs, nodes: run.nodes, elements: run.elements };
+  run.learned = about.map(function (each, which) {
+    const places = run.block("learned" + which + "_places", Uint32Array), numbers = run.block("learned" + which + "_numbers", Float32Array);
+    const row_of = new Int32Array(counts[each.of]).fill(-1);
+    places.forEach(function (place, row) { row_of[place] = row; });
+    // Without a guess that has weight, its share is what the data do not determine, which is no news.
+    let guessed = false;
+    for (let row = 0; row < numbers.length; row += 6) guessed = guessed || numbers[row + 5] > 1 - numbers[row + 4] + 1e-4;
+    return Object.assign({ count: places.length, row_of: row_of,
+      kinds: Object.keys(kinds).filter(function (kind) { return kind !== "from_guess" || guessed; }),
+      // Of a place; null if it has no such value. Without an interval its ends are nan.
+      at: function (place) {
+        const row = 6 * row_of[place];
+        return row < 0 ? null : { start: numbers[row], value: numbers[row + 1], lower: numbers[row + 2], upper: numbers[row + 3],
+                                  determined: numbers[row + 4], from_guess: numbers[row + 5] };
+      } }, each);
+  });
+  // The data say nothing of it. A search that finds no intervals at all does not know.
+  s.is_open = function (found) { return !isFinite(found.upper) && isFinite(found.determined); };
 
   // Shares of the colour table for values, and values to write below it.
   function scale_of(kind, values) {
     let low = Infinity, high = -Infinity;
     values.forEach(function (value) { low = Math.min(low, value); high = Math.max(high, value); });
-    if (kind === "determined") { low = 0; high = 100; }
+    if (is_share(kind)) { low = 0; high = 100; }
     if (kind === "ratio") {
       const reach = Math.max(Math.log(high), -Math.log(low), 0.01);
       low = Math.exp(-reach);
@@ -65,7 +74,7 @@
     } else if (kind === "width" && !(high > 30 * low)) {
       low = 0;
     }
-    const logarithmic = kind === "ratio" || (kind !== "determined" && low > 0 && high > 30 * low);
+    const logarithmic = kind === "ratio" || (!is_share(kind) && low > 0 && high > 30 * low);
     const map = logarithmic ? Math.log : Number, a = map(low), b = map(high);
     const middle = logarithmic ? Math.exp((a + b) / 2) : (a + b) / 2;
     return { share: function (value) { return b > a ? (map(value) - a) / (b - a) : 0.5; },
@@ -82,8 +91,8 @@
     for (let place = 0; place < counts[learned.of]; ++place) {
       const found = learned.at(place);
       if (!found) { ++without; continue; }
-      if (s.is_open(found)) ++open;
-      if (s.is_open(found) && kind !== "determined") continue;
+      if (s.is_open(found) && !is_share(kind)) ++open;
+      if (s.is_open(found) && !is_share(kind)) continue;
       const value = shows.of(found);
       if (value !== null) known.push(value);
     }
@@ -95,7 +104,7 @@
       look: function (place) {
         const found = learned.at(place);
         if (!found) return -1;
-        if (s.is_open(found) && kind !== "determined") return -2;
+        if (s.is_open(found) && !is_share(kind)) return -2;
         const value = shows.of(found);
         return value === null ? -3 : s.colours.offset(scale.share(value), 1, false);
       }
@@ -117,20 +126,61 @@
                  open ? "none: not determined" : "not known"],
                 ["at the start", s.number(found.start, 5) + unit]);
       if (isFinite(found.determined)) rows.push(["determined", s.number(100 * found.determined, 3) + " %"]);
+      if (learned.kinds.includes("from_guess")) rows.push(["from the guess", s.number(100 * found.from_guess, 3) + " %"]);
     });
     return rows;
   };
 
   run.start_positions = run.rows("start_positions", 3 * run.nodes);
   const first = run.block("observed_first", Uint32Array), nodes = run.block("observed_nodes", Uint32Array);
-  const points = run.block("observed_points", Float32Array);
+  const points = run.block("observed_points", Float32Array), sorts = run.block("observed_kinds", Uint8Array);
   run.observed_most = 0;
   for (let frame = 0; frame < run.frames; ++frame) run.observed_most = Math.max(run.observed_most, first[frame + 1] - first[frame]);
-  // Places x, y, z and nodes; a node is run.never for a point of the surface.
+  // Places, velocities or forces, x, y, z, and nodes; a node is run.never for a point of the surface. kinds: 0 position,
+  // 1 velocity, 2 force, and 4 more of one held out.
   run.observed = function (frame) {
-    return { nodes: nodes.subarray(first[frame], first[frame + 1]), points: points.subarray(3 * first[frame], 3 * first[frame + 1]) };
+    return { nodes: nodes.subarray(first[frame], first[frame + 1]), points: points.subarray(3 * first[frame], 3 * first[frame + 1]),
+             kinds: sorts.subarray(first[frame], first[frame + 1]) };
+  };
+  const vector_kinds = { velocity: 1, force: 2 };
+  // How many a record has at most, and how long the longest of all is. Of many arrows some are drawn.
+  const most_arrows = 200, most = new Uint32Array(8), longest = new Float32Array(8);
+  for (let frame = 0; frame < run.frames; ++frame) {
+    const here = new Uint32Array(8), seen = run.observed(frame);
+    seen.kinds.forEach(function (kind, k) {
+      most[kind] = Math.max(most[kind], ++here[kind]);
+      longest[kind] = Math.max(longest[kind], Math.hypot(seen.points[3 * k], seen.points[3 * k + 1], seen.points[3 * k + 2]));
+    });
+  }
+  function pitch(kind) { return Math.ceil(Math.max(most[kind], most[kind + 4]) / most_arrows); }
+  run.observed_kinds = {
+    position: most[0], velocity: most[1], force: most[2], held_position: most[4], held_velocity: most[5], held_force: most[6],
+    largest: function (what) { return Math.max(longest[vector_kinds[what]], longest[vector_kinds[what] + 4]); },
+    one_of: function (what) {
+      const each = pitch(vector_kinds[what]);
+      return each > 1 ? " (one of " + each + ")" : "";
+    }
+  };
+  // Arrows of a frame at the nodes as they are drawn; see s.arrows.
+  s.observed_arrows = function (what, frame, places) {
+    const seen = run.observed(frame), kind = vector_kinds[what], each = pitch(kind), max = run.observed_kinds.largest(what), counts = [0, 0], found = [];
+    if (!s.shown[what === "velocity" ? "velocities" : "reactions"]) return found;
+    seen.nodes.forEach(function (node, k) {
+      const held = seen.kinds[k] >= 4;
+      if ((seen.kinds[k] & 3) !== kind || !(held ? s.shown.held_out : s.shown.observed)) return;
+      if (counts[held ? 1 : 0]++ % each > 0 || node === run.never) return;
+      const arrow = s.arrow_of(new THREE.Vector3().fromArray(places, 3 * node), new THREE.Vector3().fromArray(seen.points, 3 * k), max, null);
+      if (arrow) found.push(Object.assign(arrow, { colour: held ? s.colours.held_out : s.colours[what === "velocity" ? "velocity" : "reaction"] }));
+    });
+    return found;
   };
   run.observed_frames = run.times.reduce(function (sum, _, frame) { return sum + (first[frame + 1] > first[frame] ? 1 : 0); }, 0);
+
+  // longest: of an arrow alone
+  s.observed_arrow_length = function (what, longest) {
+    const seen = run.observed_kinds, count = what === "velocity" ? seen.velocity + seen.held_velocity : seen.force + seen.held_force;
+    return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(Math.max(1, count))));
+  };
 
   // The layers of the picture that show them.
   s.LearnedLayers = function (spring_width, dot_size) {
@@ -138,6 +188,13 @@
     const open = new s.Segments(run.springs, { width: spring_width, dash: 4 });
     const start = new s.Segments(run.springs, { width: Math.max(1, 0.5 * spring_width), opacity: 0.6 });
     const start_dots = new s.Dots(run.springs > 0 ? 0 : run.nodes), observed = new s.Dots(run.observed_most, 0.6), middles = new s.Dots(run.elements);
+    const arrows = {}, group = new THREE.Group();
+    ["velocity", "force"].forEach(function (what) {
+      const seen = run.observed_kinds, each = what === "velocity" ? [seen.velocity, seen.held_velocity] : [seen.force, seen.held_force];
+      arrows[what] = new s.ArrowShapes(Math.min(each[0], most_arrows) + Math.min(each[1], most_arrows), 0.6);
+      group.add(arrows[what].group);
+    });
+    this.group = group;
     this.layers = [open, start, start_dots, observed, middles];
     this.open = open;
     this.middles = middles;
@@ -164,13 +221,17 @@
       start.end();
 
       const seen = s.drawn_observed(frame);
-      observed.mesh.visible = s.shown.observed && seen.length > 0;
+      observed.mesh.visible = seen.held.length > 0;
       if (observed.mesh.visible) {
-        observed.positions.set(seen);
-        for (let k = 0; 3 * k < seen.length; ++k) tint(observed, k, colours.observed, 0, dot_size + 7);
-        observed.mesh.geometry.setDrawRange(0, seen.length / 3);
+        observed.positions.set(seen.places);
+        seen.held.forEach(function (held, k) { tint(observed, k, held ? colours.held_out : colours.observed, 0, dot_size + 7); });
+        observed.mesh.geometry.setDrawRange(0, seen.held.length);
         observed.update();
       }
+      ["velocity", "force"].forEach(function (what) {
+        const all = s.observed_arrows(what, frame, positions);
+        arrows[what].show(all, s.observed_arrow_length(what, s.camera.longest_arrow));
+      });
 
       const quantity = run.quantity(s.shown.colour), paint = quantity.paint;
       middles.mesh.visible = s.shown.learned && Boolean(paint) && paint.of === "elements";

@@ -56,7 +56,12 @@
     if (run.rigids.length > 0) add("bar", s.colours.rigid, "rigid connection");
     if (run.is_learned) {
       add("bar", s.colours.start, "motion of the values at the start");
-      if (run.observed_most > 0) add("ring", s.colours.observed, "observed, next to the time of the record");
+      const seen = run.observed_kinds, next_to = ", next to the time of the record";
+      if (seen.position) add("ring", s.colours.observed, "observed" + next_to);
+      if (seen.held_position) add("ring", s.colours.held_out, "held out" + next_to);
+      if (seen.velocity) add("arrow", s.colours.velocity, "observed velocity" + seen.one_of("velocity"));
+      if (seen.force) add("arrow", s.colours.reaction, "observed force that holds a node" + seen.one_of("force"));
+      if (seen.held_velocity || seen.held_force) add("arrow", s.colours.held_out, "held-out velocity or force");
     }
     if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene’s loads");
     happened.forEach(function (name) { add("mark", s.mark_colours[name], "timeline: " + names[name]); });
@@ -66,7 +71,12 @@
     const present = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
                     faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0,
                     forces: about.loads.length > 0, arrows: s.arrow_modes.differ, displacement: s.has_motion,
-                    learned: run.is_learned, observed: run.is_learned && run.observed_most > 0 };
+                    learned: run.is_learned };
+    const seen = run.observed_kinds;
+    present.observed = seen && (seen.position || seen.velocity || seen.force);
+    present.held_out = seen && (seen.held_position || seen.held_velocity || seen.held_force);
+    present.velocities = seen && (seen.velocity || seen.held_velocity);
+    present.reactions = seen && (seen.force || seen.held_force);
     document.querySelectorAll("#panel [data-for]").forEach(function (label) {
       label.style.display = present[label.dataset.for] ? "" : "none";
     });
@@ -78,14 +88,26 @@
     show_banner();
     show_key();
     hide_unused_controls();
-    ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed"].forEach(function (what) {
+    ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed", "held_out", "velocities", "reactions"].forEach(function (what) {
       const box = element("show-" + what);
       box.checked = s.shown[what];
       box.addEventListener("change", function () {
         s.shown[what] = box.checked;
-        if (what === "forces") s.labels.legend();
+        s.labels.legend();  // which has scales of arrows
         refresh();
       });
+    });
+    const experiment = element("experiment");
+    element("experiment-row").hidden = s.motions.titles.length < 2;
+    s.motions.titles.forEach(function (title, k) { experiment.append(new Option(k + 1 + (title ? ": " + title : ""), k + 1)); });
+    experiment.value = s.motions.shown;
+    experiment.addEventListener("change", function () {
+      // What is shown stays, but for the time.
+      const parameters = new URLSearchParams(location.hash.slice(1));
+      parameters.set("experiment", experiment.value);
+      parameters.delete("time");
+      location.hash = parameters.toString();
+      location.reload();
     });
     const arrows = element("arrows-at-nodes"), displacement = element("displacement");
     arrows.checked = s.shown.arrows === "nodes";
@@ -108,7 +130,7 @@
     run.learned.forEach(function (learned, k) {
       const group = document.createElement("optgroup");
       group.label = learned.name;
-      Object.keys(s.paint_kinds).forEach(function (kind) {
+      learned.kinds.forEach(function (kind) {
         const name = "learned" + k + "." + kind, shown = run.quantity(name);
         group.append(new Option(shown.title + (shown.unit ? " (" + shown.unit + ")" : ""), name));
       });

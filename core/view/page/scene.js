@@ -37,6 +37,7 @@
     const layers = [springs, broken, rigids, dots, picked_spring, picked_node].concat(learned ? learned.layers : []);
     layers.forEach(function (layer) { scene.add(layer.mesh); });
     scene.add(faces.mesh, surfaces.group, forces.group);
+    if (learned) scene.add(learned.group);
     const sky = new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.66);
     sky.position.copy(s.camera.upward);
     scene.add(sky);

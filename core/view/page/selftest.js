@@ -101,10 +101,21 @@
       found.records = [0, last >> 1, last].map(function (frame) {
         const seen = run.observed(frame);
         return { time: run.times[frame], learned: Array.from(run.positions.row(frame)), start: Array.from(run.start_positions.row(frame)),
-                 nodes: Array.from(seen.nodes), observed: Array.from(seen.points) };
+                 nodes: Array.from(seen.nodes), observed: Array.from(seen.points), kinds: Array.from(seen.kinds),
+                 arrows: ["velocity", "force"].map(function (what) {
+                   return s.observed_arrows(what, frame, run.positions.row(frame)).map(function (each) {
+                     return { place: each.place.toArray(), direction: each.direction.toArray(), share: each.share, colour: each.colour };
+                   });
+                 }) };
       });
+      found.motions = s.motions;
+      found.experiments = Array.from(document.querySelectorAll("#experiment option")).map(function (each) { return each.textContent; });
       player.go(last);
       found.toggled = ["show-learned", "show-start", "show-observed"].map(toggled);
+      found.toggled_of = {};
+      ["held_out", "velocities", "reactions"].forEach(function (what) {
+        if (document.getElementById("show-" + what).parentElement.style.display !== "none") found.toggled_of[what] = toggled("show-" + what);
+      });
       if (run.springs > 0) found.spring = s.numbers_of({ spring: 0 }, last).concat(s.numbers_of({ spring: run.springs - 1 }, last));
       found.node = s.numbers_of({ node: run.nodes - 1 }, last);
       if (run.elements > 0) found.element = s.numbers_of({ element: 0 }, last);
