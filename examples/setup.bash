@@ -7,9 +7,10 @@ project_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build_packages=(build-essential cmake ninja-build libeigen3-dev libsundials-dev libboost-dev libfmt-dev
   libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libjs-three libjs-dygraphs)
 # What the tests, the benchmark program and the checks of the sources need on top (libomp-dev: clang-tidy reads omp.h;
-# libmpfr-dev: exact values of functions; gmsh: makes meshes; chromium: opens the pages that are written; python3-numpy:
-# reads binary files as users do).
-test_packages=(doctest-dev libbenchmark-dev libmpfr-dev clang-format clang-tidy libomp-dev gmsh chromium python3-numpy)
+# libmpfr-dev: exact values of functions; libfuzzylite-dev: the oracle of fuzzy rules; gmsh: makes meshes; chromium: opens the pages that
+# are written; python3-numpy: reads binary files as users do).
+test_packages=(doctest-dev libbenchmark-dev libmpfr-dev libfuzzylite-dev clang-format clang-tidy libomp-dev gmsh chromium
+  python3-numpy)
 # What tests/fuzz needs on top of the first: Clang, libFuzzer and the sanitizers, names for traces of calls, OpenMP for Clang.
 fuzz_packages=(clang libclang-rt-14-dev llvm libomp-dev)
 

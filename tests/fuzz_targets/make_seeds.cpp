@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "fuzzy/random_base.hpp"
 #include "mesh/samples.hpp"
 #include "scene/everything.hpp"
 #include "state_net.hpp"
@@ -120,6 +121,8 @@ int main(int argc, char** argv) {
     std::memcpy(&told, saved.data() + 18, sizeof told);
     write("state", fmt::format("state_{}", steps), saved.substr(18 + 24 + told));
   }
+  for (unsigned seed = 0; seed < 20; ++seed)
+    write("fcl", fmt::format("random_{}", seed), springnet::fuzzy::to_fcl(springnet::testing::RandomBase(seed).make()));
   write("toml", "everything", everything);
   write("toml", "everything_of_meshes", everything_of_meshes);
   write("toml", "elements", elements);

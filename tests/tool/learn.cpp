@@ -358,7 +358,7 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"absent.csv --parameters mass", "absent.csv"},
         Wrong{"seen.csv --parameters spring.stifness", "did you mean 'stiffness'"},
         Wrong{"seen.csv --parameters mass@bat", "did you mean 'bar'"},
-        Wrong{"seen.csv --parameters mass@liver", "there is no body 'liver'; bodies are: bar"},
+        Wrong{"seen.csv --parameters mass@liver", "there is no body 'liver'; there are: bar"},
         Wrong{"good.csv --parameters mass --experiment bar.toml", "--experiment bar.toml: write SCENE=FILE"},
         Wrong{"good.csv --parameters mass --experiment bar.toml=good.csv,", "write SCENE=FILE"},
         Wrong{"good.csv --parameters mass --experiment bar.toml=odd.csv", "odd.csv:2"},
