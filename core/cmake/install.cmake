@@ -28,6 +28,7 @@ install(CODE "
   set(include_folder \"${CMAKE_INSTALL_INCLUDEDIR}\")
   set(data_folder \"${CMAKE_INSTALL_DATAROOTDIR}/springnet\")")
 install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/documentation.cmake)
+install(FILES ${CMAKE_CURRENT_SOURCE_DIR}/fuzzy/soft_tissue.fcl DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/springnet)
 # `springnet new --example` copies from here. What sets up the sources' tree stays there.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/springnet/examples
   USE_SOURCE_PERMISSIONS

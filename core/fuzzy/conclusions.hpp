@@ -33,6 +33,7 @@ class FuzzySet {
   FuzzySet(const Output& output, const std::vector<Drawn>& conclusions);
 
   [[nodiscard]] bool is_empty() const noexcept { return area_ == 0.0; }
+  [[nodiscard]] const std::vector<double>& memberships() const noexcept { return memberships_; }
   // By the memberships of the cells. Derivatives of LM, RM and MM are left 0.
   [[nodiscard]] Weights defuzzify() const;
   // Adds what derivatives by the memberships make of those by the conclusions' strengths, and by the numbers of the

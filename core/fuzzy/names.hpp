@@ -16,6 +16,8 @@ struct Word {
   std::string_view text;
   Kind kind;
 };
+template <class Kind>
+Word(const char*, Kind) -> Word<Kind>;  // Clang 14 deduces none of aggregates
 
 inline constexpr std::array t_norms{Word{"MIN", TNorm::minimum},    Word{"PROD", TNorm::product},
                                     Word{"BDIF", TNorm::bounded},   Word{"DPROD", TNorm::drastic},

@@ -21,6 +21,7 @@ struct Key {
 constexpr std::array keys{
     Key{"version", "a whole number, 1"},
     Key{"title", "a text"},
+    Key{"rules", "the name of a rule base (FCL)"},
     Key{"simulation", "a table"},
     Key{"simulation.duration", "a number of at least 0, s"},
     Key{"simulation.time_step", "a number above 0, s"},
@@ -82,7 +83,7 @@ constexpr std::array keys{
     Key{"body.density", "a number above 0, kg/m^3"},
     Key{"body.thickness", "a number above 0, m"},
     Key{"body.cross_section", "a number above 0, m^2"},
-    Key{"body.material", "a table with youngs_modulus"},
+    Key{"body.material", "a table with youngs_modulus, or words that stand for it"},
     Key{"body.material.youngs_modulus", "a number above 0, Pa"},
     Key{"body.material.poisson_ratio", "a number between -1 and 0.5"},
     Key{"body.material.damping_time", "a number of at least 0, s"},

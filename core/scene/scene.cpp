@@ -1,5 +1,6 @@
 #include <springnet/scene.hpp>
 
+#include <algorithm>
 #include <optional>
 #include <system_error>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <springnet/scene_formulas.hpp>
+#include <springnet/scene_guesses.hpp>
 #include <springnet/version.hpp>
 
 #include "scene/component.hpp"
@@ -15,6 +17,7 @@
 #include "scene/files.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
+#include "scene/words.hpp"
 #include "simulation/max_threads.hpp"
 
 namespace springnet {
@@ -61,15 +64,27 @@ void read_simulation(const Table& root, const PluginHost& plugins, const Files& 
   if (const auto renumber = table.find("renumber")) options.renumber = renumber->boolean();
 }
 
+// One note for the same words, however often they are there.
+void note_guesses(const std::vector<SceneGuess>& guesses, std::vector<std::string>& notes) {
+  for (const SceneGuess& guess : guesses) {
+    const std::string key = guess.key.substr(guess.key.rfind('.') + 1);
+    std::string note = fmt::format("{} is {}, a first guess from '{}'; 'springnet inspect' shows how it comes about.",
+                                   key, text_of(guess), guess.words);
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+  }
+}
+
 Scene read_scene(std::string_view text, std::string_view name, const PluginHost& plugins,
                  const std::vector<SceneOverride>& overrides, const Files& files) {
   const std::string document(name.empty() ? "scene" : name);
-  const toml::table content = parse_document(text, document, overrides);
+  toml::table content = parse_document(text, document, overrides);
   const Table root = Value(content, "", document).open_table("");
   check_version(root);  // before keys: a newer version may have more of them
   root.check_keys();
+  const std::vector<SceneGuess> guesses = replace_words(content, document, files);
 
   Scene result;
+  note_guesses(guesses, result.notes);
   if (const auto title = root.find("title")) result.title = title->prose();
   read_simulation(root, plugins, files, result);
   if (const auto gravity = root.find("gravity")) {
@@ -101,6 +116,13 @@ Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
                  const std::vector<SceneOverride>& overrides, OutsideFiles outside, const LoadingCallback& loading) {
   return scene::read_scene(scene::read_scene_text(file), file.string(), plugins, overrides,
                            {scene::folder_of(file), outside, loading});
+}
+
+std::vector<SceneGuess> find_guesses(const std::filesystem::path& file, const std::vector<SceneOverride>& overrides,
+                                     OutsideFiles outside) {
+  const std::string name = file.string();
+  toml::table content = scene::parse_document(scene::read_scene_text(file), name, overrides);
+  return scene::replace_words(content, name, {scene::folder_of(file), outside});
 }
 
 std::vector<SceneFormula> find_formulas(const std::filesystem::path& file, const PluginHost& plugins,

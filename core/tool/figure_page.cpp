@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <springnet/error.hpp>
+#include <springnet/output_folder.hpp>
+#include <springnet/printable.hpp>
 
 #include "plot_page.hpp"
 #include "text/markup.hpp"
@@ -33,6 +36,18 @@ std::string panels_of(const figure::Drawing& drawing) {
 }
 
 }  // namespace
+
+void require_ending(const std::filesystem::path& file) {
+  if (file.extension() != ".svg" && file.extension() != ".html")
+    throw Error(ErrorKind::input,
+                fmt::format("--plot {}: the name must end in .svg or .html", printable_message(file.string())));
+}
+
+void write_figures(const std::filesystem::path& file, const std::string& title,
+                   const std::vector<figure::Figure>& figures) {
+  const std::string text = file.extension() == ".svg" ? figure::draw(figures).svg : page_of(title, figures);
+  write_whole(OutputFile(OutputFolder::containing(file), file.filename().string()), text);
+}
 
 std::string page_of(const std::string& title, const std::vector<figure::Figure>& figures) {
   const figure::Drawing drawing = figure::draw(figures);

@@ -5,13 +5,17 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <springnet/inspection.hpp>
 #include <springnet/mesh.hpp>
 #include <springnet/printable.hpp>
 #include <springnet/run.hpp>
+#include <springnet/scene_guesses.hpp>
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "figure_page.hpp"
+#include "guess_report.hpp"
 #include "inspect_mesh.hpp"
 #include "text/counted.hpp"
 #include "text_table.hpp"
@@ -25,11 +29,14 @@ constexpr const char* inspect_examples =
 network, linearised at the start, with the node and spring that set it; the number of mechanisms (motions that no spring
 resists); and likely input mistakes: springs far stiffer than the rest, nodes without springs, parts that nothing fixes,
 wrong units. The page inspect.md of the documentation explains the numbers.
+Where words of the scene stand for numbers (stiffness = "very soft") it shows which terms and rules gave which number, and
+how wide the guess is; --plot draws the membership functions.
 For a mesh file it reports groups, sizes, edges, the likely unit of its coordinates, and how a scene uses it.
 
 Examples:
   springnet inspect cube/cube.toml              the cube of 'springnet new --example cube'
   springnet inspect cube/cube.toml --set 'body.0.spring.stiffness=20' --json
+  springnet inspect liver.toml --plot guesses.html
   springnet inspect my_tube/tube.msh            the mesh of 'springnet new --example tube -o my_tube'
 
 Exit status:
@@ -38,6 +45,7 @@ Exit status:
 struct InspectArguments {
   SceneArguments scene;
   bool json = false;
+  std::filesystem::path plot;  // .svg or .html; empty: no picture
 };
 
 std::string text_of(const std::optional<Range>& range, const char* unit, bool all_known = true) {
@@ -261,8 +269,36 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   return options;
 }
 
+std::vector<SceneGuess> guesses_of(const SceneArguments& arguments) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(arguments.file, unknown)) return {};  // a pipe is read once
+  std::vector<SceneOverride> overrides;
+  for (const std::string& set : arguments.sets) overrides.push_back(parse_override(set));
+  return find_guesses(arguments.file, overrides,
+                      arguments.allow_outside ? OutsideFiles::allowed : OutsideFiles::refused);
+}
+
+void plot_guesses(const std::vector<SceneGuess>& guesses, const InspectArguments& arguments) {
+  if (guesses.empty())
+    throw Error(ErrorKind::input, fmt::format("--plot: no words of {} stand for numbers, so there is nothing to draw",
+                                              printable_message(arguments.scene.file.string())));
+  write_figures(arguments.plot, arguments.scene.file.filename().string(), guess_figures(guesses));
+}
+
+// With the guesses in the report of the network.
+std::string json_with(const Inspection& found, const std::vector<SceneGuess>& guesses) {
+  std::string text = to_json(found);
+  if (guesses.empty()) return text;
+  auto document = nlohmann::ordered_json::parse(text);
+  document["guesses"] = guesses_json(guesses);
+  return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 int run(const InspectArguments& arguments) {
+  if (!arguments.plot.empty()) require_ending(arguments.plot);
   if (has_mesh_ending(arguments.scene.file)) {
+    if (!arguments.plot.empty())
+      throw Error(ErrorKind::input, "'--plot' draws guesses of a scene; a mesh file has none");
     if (!arguments.scene.sets.empty()) {
       throw Error(ErrorKind::input, "'--set' changes keys of a scene; a mesh file has none");
     }
@@ -271,14 +307,17 @@ int run(const InspectArguments& arguments) {
   }
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
+  const std::vector<SceneGuess> guesses = guesses_of(arguments.scene);
+  if (!arguments.plot.empty()) plot_guesses(guesses, arguments);
   const Inspection found = inspect(scene.network, *host, options_of(scene, *host));
   if (arguments.json) {
-    fmt::print("{}", to_json(found));
+    fmt::print("{}", json_with(found, guesses));
     return done;
   }
   fmt::print("{}{}{}\n", printable_message(arguments.scene.file.string()), scene.title.empty() ? "" : ": ",
              printable_message(scene.title));
   fmt::print("{}", printable_message(align_columns(facts(scene, found))));
+  fmt::print("{}", printable_message(guesses_text(guesses)));
   print_limits(scene, found);
   print_findings(scene.network, found);
   for (const std::string& note : notes_of(scene)) fmt::print("note: {}\n", printable_message(note));
@@ -293,6 +332,10 @@ void add_inspect(CLI::App& app, Action& action) {
   arguments->scene.add_to(*command, false);
   command->get_option("SCENE")->description("Scene file (TOML) or mesh file");
   command->add_flag("--json", arguments->json, "Print JSON");
+  command
+      ->add_option("--plot", arguments->plot,
+                   "Draw the guesses that words of the scene stand for: FILE.svg or FILE.html")
+      ->type_name("FILE");
   command->footer(inspect_examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }

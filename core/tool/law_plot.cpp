@@ -169,20 +169,13 @@ std::string text_of_users(const Users& users, const Component& component) {
 }
 
 void write_plot(const std::string& title, const std::vector<ShownLaw>& laws, const PlotArguments& arguments) {
-  const std::filesystem::path& file = arguments.file;
   std::vector<Figure> figures;
   for (const ShownLaw& law : laws) {
     LawFigureOptions options = options_of(arguments);
     options.reference = law.reference;
     figures.push_back(figure_of(law.title, law.notes, law.setting, options));
   }
-  const std::string text = file.extension() == ".svg" ? figure::draw(figures).svg : page_of(title, figures);
-  write_whole(OutputFile(OutputFolder::containing(file), file.filename().string()), text);
-}
-
-void require_ending(const std::filesystem::path& file) {
-  if (file.extension() != ".svg" && file.extension() != ".html")
-    refuse(fmt::format("--plot {}: the name must end in .svg or .html", printable_message(file.string())));
+  write_figures(arguments.file, title, figures);
 }
 
 }  // namespace

@@ -123,6 +123,7 @@ int main(int argc, char** argv) {
   }
   for (unsigned seed = 0; seed < 20; ++seed)
     write("fcl", fmt::format("random_{}", seed), springnet::fuzzy::to_fcl(springnet::testing::RandomBase(seed).make()));
+  write("fcl", "soft_tissue", std::string(springnet::fuzzy::soft_tissue_fcl()));
   write("toml", "everything", everything);
   write("toml", "everything_of_meshes", everything_of_meshes);
   write("toml", "elements", elements);

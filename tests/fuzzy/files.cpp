@@ -1,5 +1,7 @@
 // FCL as it is read and written: what comes back, and what errors say.
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -238,4 +240,26 @@ TEST_CASE("what a file may have is limited") {
   CHECK(testing::has_facts(refusal("none.fcl"), "none.fcl"));
   std::ofstream(folder.path() / "good.fcl") << "\xEF\xBB\xBF" << sample;
   CHECK(read_rules(folder.path() / "good.fcl").inputs.size() == 2);
+}
+
+TEST_CASE("the rule base of the documentation is read, and its tables name every word") {
+  std::ifstream in(FUZZY_PAGE);
+  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t begin = page.find("```\nFUNCTION_BLOCK");
+  REQUIRE(begin != std::string::npos);
+  const std::string text = page.substr(begin + 4, page.find("```", begin + 4) - begin - 4);
+  CHECK(parse_rules(text, "fuzzy.md").blocks.at(0).rules.size() == 2);
+  for (const char* word :
+       {"Triangle", "Trapezoid", "Gaussian", "Sigmoid", "Linear", "not",   "very",  "somewhat", "extremely",
+        "seldom",   "any",       "MIN",      "PROD",    "BDIF",   "DPROD", "EPROD", "HPROD",    "NMIN",
+        "MAX",      "ASUM",      "BSUM",     "NSUM",    "DSUM",   "ESUM",  "HSUM",  "NMAX",     "COG",
+        "COA",      "LM",        "RM",       "MM",      "COGS",   "COGSS"})
+    CHECK_MESSAGE(page.find(std::string("`") + word) != std::string::npos, word);
+  // The shipped words, as a scene writes them.
+  for (const Variable& input : soft_tissue().inputs)
+    for (const Term& term : input.terms) {
+      std::string words = term.name;
+      std::replace(words.begin(), words.end(), '_', ' ');
+      CHECK_MESSAGE(page.find(words) != std::string::npos, words);
+    }
 }

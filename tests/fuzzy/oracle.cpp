@@ -166,3 +166,15 @@ TEST_CASE("a thousand random rule bases have fuzzylite's values") {
   CHECK(counts.ties < counts.values / 100);
   CHECK(counts.rounding < counts.values / 100);
 }
+
+TEST_CASE("the shipped rule base has fuzzylite's values") {
+  const std::string fcl(soft_tissue_fcl());  // as it is, with its comments
+  const RuleBase& base = soft_tissue();
+  Oracle oracle(fcl);
+  Counts counts;
+  testing::RandomBase random(1);
+  for (int repetition = 0; repetition < 200; ++repetition) compare(base, oracle, random.inputs(base), counts);
+  CHECK(counts.values > 900);
+  CHECK(counts.rounding + counts.ties + counts.empty == 0);
+  CHECK(counts.largest < tolerance);
+}

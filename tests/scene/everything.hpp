@@ -206,6 +206,8 @@ integrator = { name = "verlet", substeps = 2 }
 
 // Meshes, materials and elements.
 inline const char* const everything_of_meshes = R"(
+rules = "rules.fcl"
+
 [simulation]
 duration = 1.0
 time_step = 0.01

@@ -158,6 +158,24 @@ inline constexpr std::size_t resolution = 1000;
 // Throws Error(input) if the rule base is none (check), or an input is not finite.
 [[nodiscard]] SPRINGNET_API Evaluation evaluate(const RuleBase& base, const Inputs& inputs);
 
+// Where an input is that is said to be a term: in the middle of where the term's membership is largest, within the
+// range.
+[[nodiscard]] SPRINGNET_API double centre_of(const Variable& variable, const Term& term);
+// What an output is that is said to be a term, whatever the inputs. Nothing of a linear term, and of one outside the
+// range.
+[[nodiscard]] SPRINGNET_API std::optional<Guess> guess_of_term(const RuleBase& base, std::size_t output,
+                                                               std::size_t term);
+
+// For pictures: the degree at x of a term that has one, and an output's fuzzy set at the midpoints of its `resolution`
+// cells (Mamdani; empty if no rule applies).
+[[nodiscard]] SPRINGNET_API double degree_of(const Term& term, double x);
+[[nodiscard]] SPRINGNET_API std::vector<double> fuzzy_set_of(const RuleBase& base, const Inputs& inputs,
+                                                             std::size_t output);
+
+// The rule base that comes with springnet: terms for soft tissue, with the sources of their ranges.
+[[nodiscard]] SPRINGNET_API const RuleBase& soft_tissue();
+[[nodiscard]] SPRINGNET_API std::string_view soft_tissue_fcl();
+
 // A number of a membership function.
 struct Parameter {
   bool is_output = false;
