@@ -53,6 +53,9 @@ class FuzzySet {
   double area_ = 0.0;  // the sum of memberships
 };
 
+// Throws Error(input) if the output's method looks for a maximum, which jumps.
+void require_derivatives(const Output& output);
+
 // Takagi-Sugeno: of numbers z with weights w. Derivatives are by the weights, then by the numbers.
 [[nodiscard]] Weights weighted(Method method, const std::vector<double>& weights, const std::vector<double>& numbers);
 

@@ -134,17 +134,23 @@ double& number_of(RuleBase& base, const Parameter& parameter) {
   return variable.terms.at(parameter.term).numbers.at(parameter.number);
 }
 
+void require_derivatives(const Output& output) {
+  if (output.method != Method::leftmost_maximum && output.method != Method::rightmost_maximum &&
+      output.method != Method::mean_of_maximum)
+    return;
+  throw Error(ErrorKind::input,
+              fmt::format("rule base: output '{}': METHOD {} has no derivatives, because maxima jump; "
+                          "write METHOD : COG",
+                          output.name, word_of(methods, output.method)));
+}
+
 Gradient gradient_of(const RuleBase& base, const Inputs& inputs, std::size_t output) {
   check(base);
   if (output >= base.outputs.size())
     throw Error(ErrorKind::input,
                 fmt::format("rule base: there is no output {}; there are {}", output, base.outputs.size()));
   const Output& own = base.outputs[output];
-  if (own.method == Method::leftmost_maximum || own.method == Method::rightmost_maximum ||
-      own.method == Method::mean_of_maximum)
-    throw Error(ErrorKind::input, fmt::format("rule base: output '{}': METHOD {} has no derivatives, because maxima "
-                                              "jump; write METHOD : COG",
-                                              own.name, word_of(methods, own.method)));
+  require_derivatives(own);
   const Conditions conditions(base, inputs);
   const std::vector<Drawn> conclusions = conclusions_of(base, inputs, conditions, output);
   Backwards of_value(base, own, conclusions.size()), of_width = of_value;

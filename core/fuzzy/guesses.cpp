@@ -65,6 +65,41 @@ std::optional<Guess> guess_of_term(const RuleBase& base, std::size_t output, std
   return guess;
 }
 
+Gradient gradient_of_term(const RuleBase& base, std::size_t output, std::size_t term) {
+  check(base);
+  const Output& own = base.outputs.at(output);
+  const Term& words = own.terms.at(term);
+  std::vector<double> value(words.numbers.size()), width(words.numbers.size());
+  if (words.shape == Shape::singleton) {
+    value[0] = 1.0;
+  } else if (words.shape != Shape::linear) {
+    require_derivatives(own);
+    const std::vector<Drawn> alone{{0, term, TNorm::minimum, {1.0, 0.0}}};
+    const FuzzySet set(own, alone);
+    if (!set.is_empty()) {
+      const Weights weights = set.defuzzify();
+      const auto by_numbers = [&](const std::vector<double>& by_cell) {
+        std::vector<double> by_strength(1);
+        std::vector<std::vector<double>> all;
+        for (const Term& each : own.terms) all.emplace_back(each.numbers.size());
+        set.add_backwards(by_cell, by_strength, all);
+        return all[term];
+      };
+      value = by_numbers(weights.value_by);
+      width = by_numbers(weights.width_by);
+    }
+  }
+  Gradient result;
+  for (const Parameter& each : parameters_of(base)) {
+    const bool is_own = each.is_output && each.variable == output && each.term == term;
+    result.value.push_back(is_own ? value[each.number] : 0.0);
+    result.width.push_back(is_own ? width[each.number] : 0.0);
+  }
+  result.value_by_input.resize(base.inputs.size());
+  result.width_by_input.resize(base.inputs.size());
+  return result;
+}
+
 double degree_of(const Term& term, double x) { return membership(term, x).value; }
 
 std::vector<double> fuzzy_set_of(const RuleBase& base, const Inputs& inputs, std::size_t output) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -58,15 +61,21 @@ std::vector<std::pair<std::string, double>> terms_of(const SceneGuess& guess) {
 double defuzzified(const SceneGuess& guess) { return guess.is_logarithmic ? std::log10(guess.value) : guess.value; }
 
 constexpr std::size_t curve_points = 400;
+constexpr double not_drawn = 1e-3;  // memberships below it, where curves would lie on each other
 
-figure::FigureCurve curve_of(const fuzzy::Term& term, double smallest, double largest, double degree) {
+struct Interval {
+  double from, to;
+};
+
+figure::FigureCurve curve_of(const fuzzy::Term& term, const Interval& range, double degree) {
   figure::FigureCurve curve;
   curve.dashed = !(degree > 0.0);
   if (degree > 0.0) curve.label = fmt::format("{} {:.2g}", term.name, degree);
   for (std::size_t i = 0; i <= curve_points; ++i) {
-    const double x = smallest + (largest - smallest) * static_cast<double>(i) / static_cast<double>(curve_points);
+    const double share = static_cast<double>(i) / static_cast<double>(curve_points);
+    const double x = range.from + (range.to - range.from) * share, y = degree_of(term, x);
     curve.x.push_back(x);
-    curve.y.push_back(degree_of(term, x));
+    curve.y.push_back(y < not_drawn ? std::nan("") : y);
   }
   return curve;
 }
@@ -86,35 +95,67 @@ figure::FigurePanel panel_of(const fuzzy::Variable& variable) {
 figure::FigurePanel input_panel(const fuzzy::Variable& input, double value) {
   figure::FigurePanel panel = panel_of(input);
   for (const fuzzy::Term& term : input.terms)
-    panel.curves.push_back(curve_of(term, input.smallest, input.largest, degree_of(term, value)));
+    panel.curves.push_back(curve_of(term, {input.smallest, input.largest}, degree_of(term, value)));
   panel.marks.push_back({value, value, fmt::format("{:.3g}", value)});
   return panel;
+}
+
+// The output's set, or the term that the scene names.
+figure::FigureCurve set_of(const SceneGuess& guess) {
+  const fuzzy::Output& output = output_of(guess);
+  figure::FigureCurve set;
+  set.label = "what the rules conclude";
+  const double size = (output.largest - output.smallest) / static_cast<double>(fuzzy::resolution);
+  for (std::size_t i = 0; i < fuzzy::resolution; ++i)
+    set.x.push_back(output.smallest + (static_cast<double>(i) + 0.5) * size);
+  if (!guess.term)
+    set.y = fuzzy_set_of(*guess.rules, guess.inputs, guess.output);
+  else if (has_degrees(output.terms[*guess.term]))
+    for (const double x : set.x) set.y.push_back(degree_of(output.terms[*guess.term], x));
+  for (double& y : set.y)
+    if (y < not_drawn) y = std::nan("");
+  return set;
+}
+
+// Where the set is, with as much again around it.
+Interval shown_range(const fuzzy::Output& output, const figure::FigureCurve& set) {
+  double from = output.largest, to = output.smallest;
+  for (std::size_t i = 0; i < set.y.size(); ++i) {
+    if (std::isnan(set.y[i])) continue;
+    from = std::min(from, set.x[i]);
+    to = std::max(to, set.x[i]);
+  }
+  if (!(from < to)) return {output.smallest, output.largest};
+  const double margin = 0.5 * (to - from);
+  return {std::max(output.smallest, from - margin), std::min(output.largest, to + margin)};
 }
 
 figure::FigurePanel output_panel(const SceneGuess& guess) {
   const fuzzy::Output& output = output_of(guess);
   figure::FigurePanel panel = panel_of(output);
+  figure::FigureCurve set = set_of(guess);
+  const Interval range = shown_range(output, set);
   const auto counts = terms_of(guess);
   for (const fuzzy::Term& term : output.terms) {
     if (!has_degrees(term)) continue;
     const auto found =
         std::find_if(counts.begin(), counts.end(), [&](const auto& each) { return each.first == term.name; });
-    panel.curves.push_back(
-        curve_of(term, output.smallest, output.largest, found == counts.end() ? 0.0 : found->second));
+    panel.curves.push_back(curve_of(term, range, found == counts.end() ? 0.0 : found->second));
   }
-  if (!guess.term) {
-    figure::FigureCurve set;
-    set.label = "what the rules conclude";
-    set.y = fuzzy_set_of(*guess.rules, guess.inputs, guess.output);
-    const double size = (output.largest - output.smallest) / static_cast<double>(fuzzy::resolution);
-    for (std::size_t i = 0; i < set.y.size(); ++i)
-      set.x.push_back(output.smallest + (static_cast<double>(i) + 0.5) * size);
-    if (!set.y.empty()) panel.curves.push_back(std::move(set));
-  }
+  if (!guess.term && !set.y.empty()) panel.curves.push_back(std::move(set));
   const double value = defuzzified(guess);
   if (guess.width > 0.0) panel.marks.push_back({value - guess.width, value + guess.width, "width"});
   panel.marks.push_back({value, value, fmt::format("{:.4g}", value)});
   return panel;
+}
+
+// Whether a rule that applies is about the input.
+bool is_read(const std::vector<Applied>& applied, std::size_t input) {
+  return std::any_of(applied.begin(), applied.end(), [&](const Applied& each) {
+    return std::any_of(each.rule->condition.begin(), each.rule->condition.end(), [&](const fuzzy::ConditionNode& node) {
+      return node.kind == fuzzy::ConditionNode::Kind::proposition && node.proposition.input == input;
+    });
+  });
 }
 
 }  // namespace
@@ -161,11 +202,13 @@ std::vector<figure::Figure> guess_figures(const std::vector<SceneGuess>& guesses
     figure::Figure drawn;
     drawn.title = guess.key;
     drawn.notes = {fmt::format("'{}' stands for {}", guess.words, text_of(guess))};
-    for (const Applied& applied : rules_of(guess))
+    const std::vector<Applied> rules = rules_of(guess);
+    for (const Applied& applied : rules)
       drawn.notes.push_back(fmt::format("rule {}, activation {:.3g}: {}", rule_name(applied), applied.activation,
                                         text_of(*guess.rules, *applied.rule)));
-    for (std::size_t i = 0; !guess.term && i < guess.inputs.size(); ++i)
-      if (guess.inputs[i]) drawn.panels.push_back(input_panel(guess.rules->inputs[i], *guess.inputs[i]));
+    for (std::size_t i = 0; i < guess.inputs.size(); ++i)
+      if (guess.inputs[i] && is_read(rules, i))
+        drawn.panels.push_back(input_panel(guess.rules->inputs[i], *guess.inputs[i]));
     figure::FigurePanel result = output_panel(guess);
     if (!result.curves.empty()) drawn.panels.push_back(std::move(result));
     figures.push_back(std::move(drawn));

@@ -121,3 +121,41 @@ TEST_CASE("derivatives where no rule applies are 0") {
   const Gradient gradient = gradient_of(base, {{}}, 0);
   CHECK(gradient.value_by_input == std::vector<double>{0.0});
 }
+
+TEST_CASE("derivatives of a term of an output alone") {
+  Counts counts;
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    testing::RandomBase random(seed);
+    const RuleBase base = random.make(true);
+    for (std::size_t output = 0; output < base.outputs.size(); ++output)
+      for (std::size_t term = 0; term < base.outputs[output].terms.size(); ++term) {
+        CAPTURE(seed);
+        CAPTURE(term);
+        if (!guess_of_term(base, output, term)) continue;
+        const Gradient gradient = gradient_of_term(base, output, term);
+        const std::vector<Parameter> parameters = parameters_of(base);
+        for (std::size_t i = 0; i < parameters.size(); ++i) {
+          const Parameter& own = parameters[i];
+          if (!own.is_output || own.variable != output || own.term != term) {
+            CHECK(gradient.value[i] == 0.0);
+            continue;
+          }
+          const std::vector<double>& all = base.outputs[output].terms[term].numbers;
+          if (std::count(all.begin(), all.end(), all[own.number]) > 1) continue;  // beside a jump
+          const auto at = [&](double change) {
+            RuleBase changed = base;
+            number_of(changed, own) += change;
+            try {
+              const std::optional<Guess> guess = guess_of_term(changed, output, term);
+              return guess ? Numbers{guess->value, guess->width} : Numbers{std::nan(""), std::nan("")};
+            } catch (const std::exception&) {
+              return Numbers{change, change};  // two corners at the same place: left out
+            }
+          };
+          compare(at, gradient.value[i], gradient.width[i], counts);
+        }
+      }
+  }
+  CHECK(counts.not_zero > 300);
+  CHECK(counts.left_out < counts.compared / 5);
+}

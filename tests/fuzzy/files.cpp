@@ -138,6 +138,36 @@ TEST_CASE("what is written comes back to the bit") {
   }
 }
 
+TEST_CASE("a file keeps all but the numbers of its terms") {
+  const std::string fcl = "\xEF\xBB\xBF" + std::string(soft_tissue_fcl());
+  CHECK(with_numbers_of(fcl, soft_tissue()) == fcl);
+  RuleBase changed = soft_tissue();
+  const std::vector<Parameter> parameters = parameters_of(changed);
+  for (std::size_t i = 0; i < parameters.size(); i += 2) number_of(changed, parameters[i]) += 1e-9;
+  const std::string text = with_numbers_of(fcl, changed);
+  RuleBase again = parse_rules(text, "again.fcl");
+  for (const Parameter& each : parameters) CHECK(number_of(again, each) == number_of(changed, each));
+  const auto without_terms = [](const std::string& of) {
+    std::string rest;
+    for (std::size_t at = 0, term = 0; at < of.size(); at = of.find(';', term) + 1) {
+      term = std::min(of.find("TERM", at), of.size());
+      rest += of.substr(at, term - at);
+      if (term == of.size()) break;
+    }
+    return rest;
+  };
+  CHECK(without_terms(text) == without_terms(fcl));
+  // The sample has points and singletons too.
+  RuleBase sampled = parse_rules(sample, "a.fcl");
+  for (const Parameter& each : parameters_of(sampled))
+    if (each.number == 0) number_of(sampled, each) -= 0.25;
+  const std::string written = with_numbers_of(sample, sampled);
+  CHECK(to_fcl(parse_rules(written, "b.fcl")) == to_fcl(sampled));
+  CHECK(written.find("(* A comment\n   of two lines *)") != std::string::npos);
+  CHECK_THROWS_WITH_AS(static_cast<void>(with_numbers_of(sample, soft_tissue())),
+                       doctest::Contains("other variables or terms"), Error);
+}
+
 TEST_CASE("errors say where, what, and the nearest names") {
   const struct {
     std::string before, after, facts;

@@ -117,6 +117,9 @@ struct RuleBase {
 [[nodiscard]] SPRINGNET_API RuleBase read_rules(const std::filesystem::path& file);
 // FCL that parse_rules reads as the same rule base, all numbers to the bit.
 [[nodiscard]] SPRINGNET_API std::string to_fcl(const RuleBase& base);
+// The text with the numbers of the rule base's terms in place of its own, all else as it was, comments too. Throws
+// Error(input) if the text is not FCL, or has other variables or terms.
+[[nodiscard]] SPRINGNET_API std::string with_numbers_of(std::string_view fcl, const RuleBase& base);
 // Throws Error(input) unless the rule base is one that a file may say: every index is in range, numbers are finite and
 // in order, names are there and different. What reads and evaluates checks it.
 SPRINGNET_API void check(const RuleBase& base);
@@ -193,5 +196,8 @@ struct Gradient {
 // Throws Error(input) as evaluate() does, and if the output's method looks for a maximum: that jumps.
 // All 0 if no rule applies. A width of 0 has derivatives of 0.
 [[nodiscard]] SPRINGNET_API Gradient gradient_of(const RuleBase& base, const Inputs& inputs, std::size_t output);
+
+// The same of guess_of_term(), by the numbers of that term.
+[[nodiscard]] SPRINGNET_API Gradient gradient_of_term(const RuleBase& base, std::size_t output, std::size_t term);
 
 }  // namespace springnet::fuzzy
