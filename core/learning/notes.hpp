@@ -14,8 +14,8 @@ namespace springnet::learning {
 [[nodiscard]] std::string list_of(const std::vector<LearnedParameter>& parameters,
                                   const std::function<bool(const LearnedParameter&)>& is_meant);
 
-// On ruptures and contacts at the ends of the steps of a motion, which may happen in other steps than with the values at the start; empty: there
-// are none.
+// On ruptures and contacts at the ends of the steps of a motion, which may happen in other steps than with the values
+// at the start; empty: there are none.
 [[nodiscard]] std::string note_of_events(const std::vector<Event>& events, const std::vector<Event>& at_start);
 
 // On values without influence and at bounds, and on what was held out.

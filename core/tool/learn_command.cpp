@@ -298,7 +298,8 @@ void add_learn(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<LearnArguments>();
   CLI::App* const command = app.add_subcommand("learn", "Identify parameters of a scene from observed motion");
   arguments->scene.add_to(*command, true);
-  command->add_option("--observations", arguments->observations, "Tables of what was observed; SCENE stands before them")
+  command
+      ->add_option("--observations", arguments->observations, "Tables of what was observed; SCENE stands before them")
       ->type_name("FILE...")
       ->required();
   command

@@ -141,8 +141,8 @@ TEST_CASE("a scene's own rules") {
   CHECK(contains(refusal("rules = \"none.fcl\"\n" + small), "test.toml:1:9: rules: | none.fcl"));
   CHECK(contains(refusal("rules = \"../material/CMakeLists.txt\"\n" + small),
                  "rules: lies outside of the scene's folder"));
-  CHECK(
-      contains(refusal("rules = \"curve.csv\"\n" + small), "test.toml:1:9: rules: | curve.csv:1:1: '#' has no meaning"));
+  CHECK(contains(refusal("rules = \"curve.csv\"\n" + small),
+                 "test.toml:1:9: rules: | curve.csv:1:1: '#' has no meaning"));
 }
 
 TEST_CASE("overrides are words as well") {

@@ -138,9 +138,9 @@ struct LearnOptions {
   // threads is open (0) share what is left. The results are the same, bit for bit.
   unsigned threads = 0;
   GuessRule guess_rule = GuessRule::given;  // another: guess_weight has no meaning
-  // Of more variables than have intervals (2000): products with the sensitivities, each of which takes about two motions,
-  // from which singular values and LearnedParameter::from_guess are told. Each finds at most one more direction that the
-  // data determine.
+  // Of more variables than have intervals (2000): products with the sensitivities, each of which takes about two
+  // motions, from which singular values and LearnedParameter::from_guess are told. Each finds at most one more
+  // direction that the data determine.
   int certainty_products = 60;
   // Called after each iteration; false ends the search with the best so far.
   std::function<bool(const LearnProgress&)> on_iteration{};
