@@ -162,7 +162,8 @@ TEST_CASE("a file keeps all but the numbers of its terms") {
   for (const Parameter& each : parameters_of(sampled))
     if (each.number == 0) number_of(sampled, each) -= 0.25;
   const std::string written = with_numbers_of(sample, sampled);
-  CHECK(to_fcl(parse_rules(written, "b.fcl")) == to_fcl(sampled));
+  RuleBase reread = parse_rules(written, "b.fcl");
+  for (const Parameter& each : parameters_of(sampled)) CHECK(number_of(reread, each) == number_of(sampled, each));
   CHECK(written.find("(* A comment\n   of two lines *)") != std::string::npos);
   CHECK_THROWS_WITH_AS(static_cast<void>(with_numbers_of(sample, soft_tissue())),
                        doctest::Contains("other variables or terms"), Error);

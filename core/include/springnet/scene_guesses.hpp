@@ -35,7 +35,7 @@ struct SceneGuess {
                                                                  const std::vector<SceneOverride>& overrides = {},
                                                                  OutsideFiles outside = OutsideFiles::refused);
 
-// "4,920 (to a factor of 1.6)", "1079 (+- 15)".
+// "4,920 (to a factor of 1.6)", "1079 (+- 20)".
 [[nodiscard]] SPRINGNET_API std::string text_of(const SceneGuess& guess);
 
 }  // namespace springnet
