@@ -21,7 +21,6 @@ namespace {
 using Kind = LearnedValues::Kind;
 
 constexpr std::size_t axes = 3;
-constexpr double part = 1e-4;  // of a load, by which it is changed for differences
 
 [[nodiscard]] bool is_of_nodes(Kind kind) { return member_name(kind, false) == "node"; }
 
@@ -365,11 +364,12 @@ std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::Vector
   return result;
 }
 
-// Loads are linear in their factors, and accelerations in forces; but those of nodes that slide only as long as the
-// surface presses them. So differences are of a small part, which costs four digits of rounding.
+// Loads are linear in their factors, and accelerations in forces; in contact with friction only until nodes begin to
+// slide or to stick, so that differences are small there, at the cost of four digits.
 Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
                                      const Set& set, std::uint32_t place) {
   Loads& loads = engine.model().loads;
+  const double part = engine.model().contact.obstacles().empty() ? 0.5 : 0x1p-14;
   const auto n = static_cast<Eigen::Index>(host.network().node_count);
   const auto accelerations = [&] {
     Eigen::VectorXd result(3 * n);
@@ -381,19 +381,18 @@ Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, cons
   if (set.what.kind == Kind::gravity) {
     const Vector3 before = loads.gravity();
     const Back back([&] { loads.set_gravity(before); });
-    const double size = part * std::max(1.0, before.norm());
-    loads.set_gravity(before + 0.5 * size * Vector3::Unit(place));
+    const double size = std::max(1.0, before.norm());  // differences of its own size lose no digits
+    loads.set_gravity(before + part * size * Vector3::Unit(place));
     const Eigen::VectorXd more = accelerations();
-    loads.set_gravity(before - 0.5 * size * Vector3::Unit(place));
-    return (more - accelerations()) / size;
+    loads.set_gravity(before - part * size * Vector3::Unit(place));
+    return (more - accelerations()) / (2.0 * part * size);
   }
   const double factor = loads.factor(place);
   const Back back([&] { loads.set_factor(place, factor); });
-  const double size = part * std::max(1.0, std::abs(factor));
-  loads.set_factor(place, factor + 0.5 * size);
+  loads.set_factor(place, factor + part);
   const Eigen::VectorXd more = accelerations();
-  loads.set_factor(place, factor - 0.5 * size);
-  return (more - accelerations()) / size;
+  loads.set_factor(place, factor - part);
+  return (more - accelerations()) / (2.0 * part);
 }
 
 void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,

@@ -111,7 +111,12 @@ TEST_CASE("derivatives of a body that falls on a plane, with every friction, the
         Network net = block_at({0, 0, 0.1}, {0.4, 0.2, -0.5}, 6);
         net.add_plane(floor_with(friction, {0.2, -0.1, 1.0}));
         check_derivatives(net, theta, rule, 0.5, values_of(net));
-        check_derivatives(net, theta, rule, 0.5, {{Kind::gravity, false, "", {0, 1, 2}}});
+        // With forces that decide whether nodes slide.
+        Load load;
+        load.nodes = {0, 3};
+        load.force = {1.0, -2.0, -3.0};
+        net.add_load(load);
+        check_derivatives(net, theta, rule, 0.5, {{Kind::gravity, false, "", {0, 1, 2}}, {Kind::load, false, "", {0}}});
       }
 }
 
