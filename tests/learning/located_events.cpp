@@ -328,7 +328,7 @@ std::vector<LearnedValues> of_torn(const Network& net) {
 TEST_CASE("the gradient of a motion in which springs break has the motion of the ruptures in it") {
   const Network net = torn();
   CHECK(check_derivatives(net, located(1.0, 0.01), 0.26, of_torn(net)) > 6);
-  for (const std::size_t memory : {std::size_t{1} << 30, std::size_t{40'000}}) {
+  for (const std::size_t memory : {std::size_t{1} << 30, std::size_t{70'000}}) {
     CAPTURE(memory);
     CHECK(check_derivatives(net, located(0.5, 0.01), 1.0, of_torn(net), 3e-5, 1e-5, memory) > 6);
   }
