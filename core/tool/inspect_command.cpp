@@ -36,7 +36,7 @@ For a mesh file it reports groups, sizes, edges, the likely unit of its coordina
 Examples:
   springnet inspect cube/cube.toml              the cube of 'springnet new --example cube'
   springnet inspect cube/cube.toml --set 'body.0.spring.stiffness=20' --json
-  springnet inspect liver.toml --plot guesses.html
+  springnet inspect cube/cube.toml --set 'body.0.spring.stiffness="soft"' --plot guesses.html
   springnet inspect my_tube/tube.msh            the mesh of 'springnet new --example tube -o my_tube'
 
 Exit status:
