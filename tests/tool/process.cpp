@@ -179,7 +179,7 @@ spring = { type = "linear", stiffness = 1.0 }
   int failed = 0;
   for (const char* integrator : {"recurrent", "cvode"}) {
     // Memory runs out while the scene is read, the simulation is created or a step is made; or it just suffices.
-    for (const int limit : {45000, 55000, 65000, 75000}) {
+    for (const int limit : {45000, 48000, 51000, 54000, 57000, 60000, 65000, 75000}) {
       CAPTURE(limit);
       const Answer answer = testing::shell(
           folder, fmt::format("ulimit -v {}; \"$SPRINGNET\" run block.toml --integrator {} --threads 1 -q -o out",

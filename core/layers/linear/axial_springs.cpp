@@ -4,9 +4,17 @@
 #include <cmath>
 #include <memory>
 
+#include <omp.h>
+
 #include "layers/law_pair.hpp"
 
 namespace springnet::layers {
+
+struct AxialSprings::Scratch {
+  SegmentGeometry geometry;
+  PairAnswers<max_segment> answers;
+  double tension[max_segment], by_length[max_segment], by_rate[max_segment], across[3][max_segment];
+};
 
 AxialSprings::AxialSprings(const Layout& layout, const Evaluator& evaluator)
     : layout_(layout),
@@ -14,8 +22,11 @@ AxialSprings::AxialSprings(const Layout& layout, const Evaluator& evaluator)
       kernels_(spring_kernels_for(evaluator.instruction_set())),
       order_(layout) {}
 
+AxialSprings::~AxialSprings() = default;
+
 void AxialSprings::follow() {
-  if (!order_.follow()) return;
+  if (!order_.follow() && is_laid_out_) return;
+  is_laid_out_ = false;  // memory may run out below
   const std::vector<Unit>& units = layout_.units();
   begin_.clear();
   std::size_t count = 0;
@@ -45,21 +56,21 @@ void AxialSprings::follow() {
       copies_.emplace_back(static_cast<std::uint32_t>(begin_[2 * u - 1] + each.from),
                            static_cast<std::uint32_t>(begin_[2 * u + 1] + each.place));
   }
+  is_laid_out_ = true;
 }
-
-struct AxialSprings::Scratch {
-  SegmentGeometry geometry;
-  PairAnswers<max_segment> answers;
-  double tension[max_segment], by_length[max_segment], by_rate[max_segment], across[3][max_segment];
-};
 
 bool AxialSprings::update(double time, const NodeArrays& nodes, const std::vector<std::uint8_t>& constrained) {
   follow();
+  // An exception that left the threads would end the process.
+  while (scratch_.size() < evaluator_.threads()) scratch_.push_back(std::make_unique<Scratch>());
   const auto units = static_cast<std::int64_t>(layout_.units().size());
   std::vector<std::uint8_t> done(layout_.units().size(), 0);
 #pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
   for (std::int64_t u = 0; u < units; ++u)
-    done[static_cast<std::size_t>(u)] = update_unit(static_cast<std::size_t>(u), time, nodes, constrained) ? 1 : 0;
+    done[static_cast<std::size_t>(u)] = update_unit(static_cast<std::size_t>(u), time, nodes, constrained,
+                                                    *scratch_[static_cast<std::size_t>(omp_get_thread_num())])
+                                            ? 1
+                                            : 0;
   if (std::find(done.begin(), done.end(), std::uint8_t{0}) != done.end()) return false;
   for (const auto& [from, to] : copies_) {
     std::copy_n(values_.data() + 8 * std::size_t{from}, 8, values_.data() + 8 * std::size_t{to});
@@ -69,13 +80,12 @@ bool AxialSprings::update(double time, const NodeArrays& nodes, const std::vecto
 }
 
 bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays& nodes,
-                               const std::vector<std::uint8_t>& constrained) {
+                               const std::vector<std::uint8_t>& constrained, Scratch& scratch) {
   const FlushDenormals flush;  // in every thread
   const Unit& unit = layout_.units()[index];
   const Kernels& kernels = kernels_for(evaluator_.instruction_set());
-  const auto scratch = std::make_unique<Scratch>();
-  SegmentGeometry& g = scratch->geometry;
-  const PairOutputs out = scratch->answers.outputs(true, false);
+  SegmentGeometry& g = scratch.geometry;
+  const PairOutputs out = scratch.answers.outputs(true, false);
   springnet_message message{};
   for (const Segment& segment : unit.segments) {
     if (segment.dead == segment.count) continue;
@@ -101,11 +111,11 @@ bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays&
                          {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}};
     if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) return false;
     const std::size_t count = segment.count;
-    double *const tension = scratch->tension, *const by_length = scratch->by_length, *const by_rate = scratch->by_rate;
+    double *const tension = scratch.tension, *const by_length = scratch.by_length, *const by_rate = scratch.by_rate;
     for (double* sum : {tension, by_length, by_rate}) std::fill_n(sum, count, 0.0);
     for (std::size_t k = 0; k < 2; ++k) {
       if (!*group.laws()[k]) continue;
-      const PairAnswers<max_segment>& own = scratch->answers;
+      const PairAnswers<max_segment>& own = scratch.answers;
       for (std::size_t i = 0; i < count; ++i) {
         tension[i] += own.force[k][i];
         by_length[i] += own.by_q[k][i];
@@ -115,7 +125,7 @@ bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays&
     const double *const normal[3] = {g.nx, g.ny, g.nz}, *const along[3] = {g.sx, g.sy, g.sz};
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < count; ++i)
-        scratch->across[c][i] = (g.speed[i] * along[c][i] - g.rate[i] * normal[c][i]) / g.length[i];
+        scratch.across[c][i] = (g.speed[i] * along[c][i] - g.rate[i] * normal[c][i]) / g.length[i];
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t slot = segment.begin + i;
       const std::uint32_t s = unit.spring[slot];
@@ -125,7 +135,7 @@ bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays&
       const bool has_length = g.length[i] > 0.0;
       for (std::size_t c = 0; c < 3; ++c) {
         to[c] = normal[c][i];
-        to[4 + c] = has_length ? scratch->across[c][i] : 0.0;
+        to[4 + c] = has_length ? scratch.across[c][i] : 0.0;
       }
       to[3] = has_length ? tension[i] / g.length[i] : 0.0;
       to[7] = by_rate[i];

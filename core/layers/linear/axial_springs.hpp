@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@ class AxialSprings {
  public:
   // References must outlive it.
   AxialSprings(const Layout& layout, const Evaluator& evaluator);
+  ~AxialSprings();
 
   // Evaluates the laws of all springs at a state. False: one of them failed, or its answer is not finite, of a spring
   // that does not join two constrained nodes ([node] 1).
@@ -31,13 +33,15 @@ class AxialSprings {
   struct Scratch;
   void follow();
   [[nodiscard]] bool update_unit(std::size_t index, double time, const NodeArrays& nodes,
-                                 const std::vector<std::uint8_t>& constrained);
+                                 const std::vector<std::uint8_t>& constrained, Scratch& scratch);
 
   const Layout& layout_;
   const Evaluator& evaluator_;
   const SpringKernels& kernels_;
   SpringOrder order_;
-  std::vector<std::size_t> begin_;  // [unit][2] of its springs within, and of those that leave it
+  bool is_laid_out_ = false;                       // what follows is of that order
+  std::vector<std::unique_ptr<Scratch>> scratch_;  // [thread]
+  std::vector<std::size_t> begin_;                 // [unit][2] of its springs within, and of those that leave it
   std::vector<std::vector<std::uint32_t>> place_of_slot_;        // [unit][slot]
   std::vector<std::uint32_t> place_;                             // [spring] one of its places
   std::vector<std::pair<std::uint32_t, std::uint32_t>> copies_;  // places of one spring: from, to

@@ -57,7 +57,8 @@ void MatrixFree::lay_out() {
   own_.assign(12 * n, 0.0);
   blocks_.assign(9 * n, 0.0);
   inverse_.assign(12 * n, 0.0F);
-  if (!springs_.follow()) return;
+  if (!springs_.follow() && is_laid_out_) return;
+  is_laid_out_ = false;  // memory may run out below
   for (auto& vector : vectors_) vector.assign(4 * n, 0.0F);
   for (auto* vector : {&solution_, &residual_}) vector->assign(4 * n, 0.0);
   parts_.clear();
@@ -74,6 +75,7 @@ void MatrixFree::lay_out() {
     stiffness_.push_back({std::vector<float>(4 * unit.within.second.size(), 0.0F),
                           std::vector<float>(4 * unit.leaving.second.size(), 0.0F)});
   }
+  is_laid_out_ = true;
 }
 
 SpringRows MatrixFree::rows_within(std::size_t unit) const {

@@ -87,6 +87,7 @@ class MatrixFree {
   const std::vector<double>& mass_;
   const std::vector<std::uint8_t>& constrained_;
   SpringOrder springs_;
+  bool is_laid_out_ = false;  // what depends on that order
   const SpringKernels& kernels_;
   std::vector<Stiffness> stiffness_;           // [unit]
   std::vector<NodeRange> parts_;               // of sums

@@ -6,7 +6,7 @@ namespace springnet::layers {
 
 bool SpringOrder::follow() {
   if (laid_out_ == layout_.revision()) return false;
-  laid_out_ = layout_.revision();
+  laid_out_.reset();  // memory may run out below
   const std::vector<Unit>& units = layout_.units();
   units_.clear();
   units_.resize(units.size());
@@ -52,6 +52,7 @@ bool SpringOrder::follow() {
           units_[u].incoming.push_back({own, place, units_[of].place[slot]});
         ++place;
       });
+  laid_out_ = layout_.revision();
   return true;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,7 @@ class SpringOrder {
 
  private:
   const Layout& layout_;
-  std::uint64_t laid_out_ = 0;  // revision of the layout
+  std::optional<std::uint64_t> laid_out_{};  // revision of the layout
   std::vector<SpringsOfUnit> units_;
 };
 
