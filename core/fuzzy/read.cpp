@@ -233,6 +233,9 @@ void Reader::read_defuzzify() {
 RuleBase parse_rules(std::string_view text, std::string_view name) { return Reader(text, printable(name)).read(); }
 
 RuleBase read_rules(const std::filesystem::path& file) {
+  if (std::error_code unknown;
+      std::filesystem::exists(file, unknown) && !std::filesystem::is_regular_file(file, unknown))
+    throw Error(ErrorKind::input, fmt::format("{}: is not a file; give one with rules", printable(file.string())));
   InputFile in(file);
   std::string text;
   in.read(text, Limits::bytes + 1);

@@ -191,7 +191,7 @@ void Builder::fill_groups() {
 }
 
 Mesh Builder::finish() && {
-  if (mesh_.cell_count() == 0) {
+  if (mesh_.cell_count() == 0 && (source_.wants_cells() || mesh_.points.empty())) {
     std::string why;
     for (const auto& [several, note] : counted_)
       why += fmt::format("{}{}", why.empty() ? " (" : "; ", number_of(several, note));
@@ -203,7 +203,7 @@ Mesh Builder::finish() && {
                     "wedges or pyramids",
                     why));
   }
-  leave_out_unused_points();
+  if (source_.wants_cells()) leave_out_unused_points();
   fill_groups();
   for (const auto& [several, note] : counted_) mesh_.notes.push_back(sentence_of(several, note));
   if (mesh_.notes.size() > max_notes) {

@@ -40,12 +40,12 @@ bool has_mesh_ending(const std::filesystem::path& file) {
                      [&](const Format& format) { return meshes::equal_ignoring_case(ending, format.ending); });
 }
 
-Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading) {
+static Mesh read(const std::filesystem::path& file, const LoadingCallback& loading, bool wants_cells) {
   const std::string ending = file.extension().string();
   for (const Format& format : formats) {
     if (!meshes::equal_ignoring_case(ending, format.ending)) continue;
     try {
-      return format.read(meshes::Source(file, loading));
+      return format.read(meshes::Source(file, loading, wants_cells));
     } catch (const std::bad_alloc&) {
       throw Error(ErrorKind::input,
                   fmt::format("{}: the mesh does not fit into memory; use a coarser one", file.string()));
@@ -55,6 +55,12 @@ Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading
       ErrorKind::input,
       fmt::format("{}: '{}' is not the extension of a mesh file; use .msh (Gmsh), .vtk, .vtu, .vtp, .obj, .stl or .ply",
                   file.string(), ending));
+}
+
+Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading) { return read(file, loading, true); }
+
+Mesh read_points(const std::filesystem::path& file, const LoadingCallback& loading) {
+  return read(file, loading, false);
 }
 
 }  // namespace springnet

@@ -46,7 +46,9 @@ class Neighbours {
   [[nodiscard]] const std::vector<Near>& of(std::uint32_t k, double radius, std::size_t most) {
     // Of equally near points the tree has any: so all are taken that are as near as the last.
     found_.clear();
-    tree_.query(index::nearest(point_of(points_[k]), static_cast<unsigned>(std::min(most, points_.size()) + 1)),
+    const Vector3 within = Vector3::Constant(radius);
+    tree_.query(index::intersects(Box(point_of(points_[k] - within), point_of(points_[k] + within))) &&
+                    index::nearest(point_of(points_[k]), static_cast<unsigned>(std::min(most, points_.size()) + 1)),
                 std::back_inserter(found_));
     double reach = 0.0;
     for (const auto& [place, other] : found_) reach = std::max(reach, square_of(k, other));

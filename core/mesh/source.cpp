@@ -20,8 +20,11 @@ constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 30U;
 
 }  // namespace
 
-Source::Source(const std::filesystem::path& file, LoadingCallback loading)
-    : name_(file.string()), loading_(std::move(loading)), stage_("reading " + printable(file.filename().string())) {
+Source::Source(const std::filesystem::path& file, LoadingCallback loading, bool wants_cells)
+    : name_(file.string()),
+      loading_(std::move(loading)),
+      stage_("reading " + printable(file.filename().string())),
+      wants_cells_(wants_cells) {
   std::error_code failed;
   const std::filesystem::file_status status = std::filesystem::status(file, failed);
   if (!std::filesystem::exists(status)) fail("there is no such mesh file; check the path");

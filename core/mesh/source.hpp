@@ -19,10 +19,12 @@ struct Place {
 class Source {
  public:
   // Throws Error(input) if it is not a regular file, cannot be read, or is empty.
-  explicit Source(const std::filesystem::path& file, LoadingCallback loading = {});
+  // wants_cells: else points alone are read, also those that no cell uses.
+  explicit Source(const std::filesystem::path& file, LoadingCallback loading = {}, bool wants_cells = true);
 
   [[nodiscard]] std::string_view text() const noexcept { return text_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] bool wants_cells() const noexcept { return wants_cells_; }
   [[nodiscard]] std::string description(Place place) const;  // "line 3" or "byte 80"
 
   // Tells how much of the file has been read.
@@ -41,6 +43,7 @@ class Source {
   std::string text_;
   LoadingCallback loading_;  // empty: nothing is told
   std::string stage_;
+  bool wants_cells_;
 };
 
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept;

@@ -72,14 +72,19 @@ Lattice read_lattice(const Table& mesh) {
 namespace {
 
 // Points of a CSV table, or of a file with a mesh, in whose cells a cloud has no interest.
-std::vector<Vector3> read_points(const Value& name, const Files& files) {
+Mesh read_points_of(const Value& name, const Files& files) {
   const std::filesystem::path path = files.resolve(name);
-  if (has_mesh_ending(path)) return name.at_this_place([&] { return read_mesh(path, files.loading); }).points;
+  Mesh result;
+  if (has_mesh_ending(path)) {
+    Mesh read = name.at_this_place([&] { return read_points(path, files.loading); });
+    result.points = std::move(read.points);
+    result.notes = std::move(read.notes);
+    return result;
+  }
   const CsvColumns columns = files.csv_columns(name, {"x", "y", "z"});
-  std::vector<Vector3> result;
   for (std::size_t row = 0; row < columns.lines.size(); ++row)
-    result.emplace_back(columns.values[0][row], columns.values[1][row], columns.values[2][row]);
-  if (result.empty()) name.fail("has no points; give a row x,y,z or more");
+    result.points.emplace_back(columns.values[0][row], columns.values[1][row], columns.values[2][row]);
+  if (result.points.empty()) name.fail("has no points; give a row x,y,z or more");
   return result;
 }
 
@@ -97,7 +102,8 @@ MeshBody read_cloud(const Table& table, const std::string& body, const Files& fi
   const std::int64_t most = table.has("neighbours") ? table.need("neighbours").integer(1) : default_neighbours;
   MeshBody result;
   result.is_cloud = true;
-  result.mesh.points = read_points(table.need("points"), files);
+  result.mesh = read_points_of(table.need("points"), files);
+  for (const std::string& note : result.mesh.notes) notes.push_back(fmt::format("Body '{}': {}", body, note));
   place(table, result.mesh);
   files.tell("finding the neighbours of points", result.mesh.points.size());
   const std::vector<Edge> pairs =
@@ -130,7 +136,7 @@ std::vector<Vector3> read_start(const Table& table, std::size_t count, const Fil
   const std::filesystem::path path = files.resolve(*start);
   Mesh mesh;
   if (table.has("points"))
-    mesh.points = read_points(*start, files);
+    mesh = read_points_of(*start, files);
   else
     mesh = start->at_this_place([&] { return read_mesh(path, files.loading); });
   if (mesh.points.size() != count) {

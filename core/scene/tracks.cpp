@@ -14,6 +14,9 @@
 namespace springnet::scene {
 namespace {
 
+// As for points of a mesh: squares have to be finite.
+constexpr double farthest = 1e100;
+
 void read_track(const Table& table, const Value& file, const Files& files, Network& network) {
   refuse_beside(table, {"select", "table", "sinusoid", "from", "until"}, "tracks");
   NodeIndex first = 0;
@@ -36,9 +39,15 @@ void read_track(const Table& table, const Value& file, const Files& files, Netwo
     if (!motion.times.empty() && !(motion.times.back() < time))
       fail(fmt::format("times of a node must increase, but {} follows {}; sort the rows, and give each time once",
                        checks::seconds(time), checks::seconds(motion.times.back())));
+    const Vector3 place(rows.values[2][row], rows.values[3][row], rows.values[4][row]);
+    if (!(place.cwiseAbs().maxCoeff() <= farthest))
+      fail(fmt::format("the place is farther than {:g} m away", farthest));
+    const Vector3 displacement = place - network.nodes()[node].position;
+    if (!motion.times.empty() &&
+        !((displacement - motion.displacements.back()).norm() / (time - motion.times.back()) <= farthest))
+      fail(fmt::format("the node would move faster than {:g} m/s to get here from its row before", farthest));
     motion.times.push_back(time);
-    motion.displacements.push_back(Vector3(rows.values[2][row], rows.values[3][row], rows.values[4][row]) -
-                                   network.nodes()[node].position);
+    motion.displacements.push_back(displacement);
   }
   if (tracks.empty()) file.fail("has no rows; give time,node,x,y,z for each place");
   const Motion::Interpolation interpolation = read_interpolation(table);

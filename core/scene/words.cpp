@@ -193,11 +193,7 @@ class Words {
     std::vector<std::string> names;
     const std::optional<std::size_t> output = output_of(key);
     for (std::size_t i = 0; output && i < base_->inputs.size(); ++i)
-      if (std::any_of(base_->blocks.begin(), base_->blocks.end(), [&](const fuzzy::RuleBlock& block) {
-            return std::any_of(block.rules.begin(), block.rules.end(),
-                               [&](const fuzzy::Rule& rule) { return reads(rule, i) && concludes(rule, *output); });
-          }))
-        names.push_back(base_->inputs[i].name);
+      if (gives(i, *output)) names.push_back(base_->inputs[i].name);
     return names;
   }
   static bool reads(const fuzzy::Rule& rule, std::size_t input) {
@@ -249,32 +245,48 @@ class Words {
 
   // A term of one input, by the rules that read it.
   fuzzy::Guess guess_by_input(SceneGuess& guess, const std::string& words, const Value& value) const {
-    std::vector<std::string> known = words_of(base_->outputs[guess.output]), meanings;
+    std::vector<std::string> meanings;
     std::optional<fuzzy::Guess> number;
     for (std::size_t i = 0; i < base_->inputs.size(); ++i) {
       const fuzzy::Variable& input = base_->inputs[i];
-      for (std::size_t t = 0; t < input.terms.size(); ++t) {
-        fuzzy::Inputs alone(base_->inputs.size());
-        alone[i] = centre_of(input, input.terms[t]);
-        const std::optional<fuzzy::Guess> of_term = fuzzy::evaluate(*base_, alone).outputs[guess.output];
-        if (!of_term || of_term->is_otherwise) continue;
-        known.push_back(words_of(input)[t]);
-        if (term_name(input.terms[t].name) != term_name(words)) continue;
-        meanings.push_back(input.name);
-        number = of_term;
-        guess.inputs = alone;
-        guess.words = fmt::format("{} = {}", input.name, printable(words));
-      }
+      const std::optional<std::size_t> term = gives(i, guess.output) ? find_term(input, words) : std::nullopt;
+      if (!term) continue;
+      fuzzy::Inputs alone(base_->inputs.size());
+      alone[i] = centre_of(input, input.terms[*term]);
+      const std::optional<fuzzy::Guess> of_term = fuzzy::evaluate(*base_, alone).outputs[guess.output];
+      if (!of_term || of_term->is_otherwise) continue;
+      meanings.push_back(input.name);
+      number = of_term;
+      guess.inputs = alone;
+      guess.words = fmt::format("{} = {}", input.name, printable(words));
     }
     if (meanings.size() > 1)
       value.fail(fmt::format("'{}' may be {}; rename a term in {}, or write the number", printable(words),
                              fmt::join(meanings, " or "), name_));
-    std::sort(known.begin(), known.end());
-    known.erase(std::unique(known.begin(), known.end()), known.end());
     if (!number)
       value.fail(fmt::format("must be a number, or a term that {} has for it; '{}' is none; {}", name_,
-                             printable(words), nearest_or_all(words, known)));
+                             printable(words), nearest_or_all(words, words_for(guess.output))));
     return *number;
+  }
+
+  // Whether a rule about the output reads the input.
+  [[nodiscard]] bool gives(std::size_t input, std::size_t output) const {
+    return std::any_of(base_->blocks.begin(), base_->blocks.end(), [&](const fuzzy::RuleBlock& block) {
+      return std::any_of(block.rules.begin(), block.rules.end(),
+                         [&](const fuzzy::Rule& rule) { return reads(rule, input) && concludes(rule, output); });
+    });
+  }
+  // Of the output itself, and of the inputs that it depends on; sorted.
+  [[nodiscard]] std::vector<std::string> words_for(std::size_t output) const {
+    std::vector<std::string> known = words_of(base_->outputs[output]);
+    for (std::size_t i = 0; i < base_->inputs.size(); ++i) {
+      if (!gives(i, output)) continue;
+      const std::vector<std::string> own = words_of(base_->inputs[i]);
+      known.insert(known.end(), own.begin(), own.end());
+    }
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    return known;
   }
 
   toml::table& root_;

@@ -1,4 +1,5 @@
 // Bodies from clouds of points, and masses of whole bodies.
+#include <algorithm>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -64,6 +65,29 @@ TEST_CASE("the points of a mesh file make a cloud, whose cells are not used") {
   CHECK(bar.network.nodes().size() == mesh.network.nodes().size());
   CHECK(bar.network.faces().empty());
   CHECK(bar.network.springs().size() >= 3 * bar.network.nodes().size());
+}
+
+TEST_CASE("all points of a file with cells are in the cloud, in their order, and what was not read is noted") {
+  const springnet::testing::TemporaryFolder folder;
+  folder.write("q.ply",
+               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+               "element face 1\nproperty list uchar int vertex_indices\nend_header\n9 9 9\n0 0 0\n1 0 0\n0 1 0\n3 1 2 "
+               "3\n5 5 5\n");
+  folder.write("q.obj", "v 5 5 5\nv 0 0 0\nv 1 0 0\n");
+  for (const auto& [name, nodes] : {std::pair("q.ply", 4U), std::pair("q.obj", 3U)}) {
+    CAPTURE(name);
+    const Scene scene = parse_scene(cloud("points = \"" + std::string(name) + "\", radius = 2"), "test.toml", plugins(),
+                                    {}, folder.path());
+    REQUIRE(scene.network.nodes().size() == nodes);
+    CHECK(scene.network.nodes()[0].position == Vector3::Constant(nodes == 4 ? 9 : 5));
+    CHECK(scene.network.nodes()[0].mass == 10.0 / nodes);
+    const auto has_note = [&](const std::string& facts) {
+      return std::any_of(scene.notes.begin(), scene.notes.end(),
+                         [&](const auto& note) { return contains(note, facts); });
+    };
+    CHECK(has_note("last element is not read") == (nodes == 4));
+    CHECK(has_note("1 of its | no other within 2 m"));
+  }
 }
 
 TEST_CASE("the mass of a body is divided as its density would be") {
@@ -150,5 +174,7 @@ TEST_CASE("tracks that do not fit are refused at the row") {
   CHECK(contains(of("0,1,0,0,0\n1,1,0,0,0\n1,1,0,0,1\n"), "t.csv:4: | 1 s follows 1 s"));
   CHECK(contains(of("0,1,0,0,0\n"), "node 1 has one row"));
   CHECK(contains(of(""), "no rows"));
+  CHECK(contains(of("0,1,0,0,0\n1,1,1e101,0,0\n"), "t.csv:3: | farther than 1e+100 m"));
+  CHECK(contains(of("0,1,0,0,0\n4.9e-324,1,1,0,0\n"), "t.csv:3: | faster than 1e+100 m/s"));
   CHECK(contains(of("0,1,0,nan,0\n"), "t.csv:2: | finite"));
 }

@@ -56,6 +56,8 @@ struct Mesh {
 // become cells). Points that no cell uses are left out, with a note. Throws Error(input) with "file:line: what; what to
 // do" (in binary parts the byte) if the file cannot be read.
 [[nodiscard]] SPRINGNET_API Mesh read_mesh(const std::filesystem::path& file, const LoadingCallback& loading = {});
+// The same for a cloud of points: all points are kept, and there need not be a cell.
+[[nodiscard]] SPRINGNET_API Mesh read_points(const std::filesystem::path& file, const LoadingCallback& loading = {});
 
 // Which edges become springs.
 struct EdgeOptions {
