@@ -1,5 +1,6 @@
 // FCL as it is read and written: what comes back, and what errors say.
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -269,6 +270,8 @@ TEST_CASE("what a file may have is limited") {
   std::ofstream(folder.path() / "large.fcl") << sample << std::string(1'000'000, ' ');
   CHECK(testing::has_facts(refusal("large.fcl"), "large.fcl | more than 1000000 bytes"));
   CHECK(testing::has_facts(refusal("none.fcl"), "none.fcl"));
+  std::filesystem::create_directory(folder.path() / "folder.fcl");
+  CHECK(testing::has_facts(refusal("folder.fcl"), "folder.fcl | is not a file"));
   std::ofstream(folder.path() / "good.fcl") << "\xEF\xBB\xBF" << sample;
   CHECK(read_rules(folder.path() / "good.fcl").inputs.size() == 2);
 }
