@@ -92,7 +92,8 @@ TEST_CASE("the commands of learning.md that need nothing else find what the page
   CHECK(has(page, "It finds 3 N/m and 2 N s/m in five iterations."));
   CHECK(has(answer.out, "5 iterations"));
   CHECK(has(answer.out, "3 ± "));  // the interval is narrower than the digits shown
-  for (const auto& each : testing::read_json(folder.path() / "learned/learning.json")["parameters"])
+  const nlohmann::json learned = testing::read_json(folder.path() / "learned/learning.json");
+  for (const auto& each : learned["parameters"])
     CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 3.0 : 2.0).epsilon(1e-9));
 }
 
