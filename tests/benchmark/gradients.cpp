@@ -1,5 +1,6 @@
 // The gradient of a motion by all of its rest lengths against the motion itself: time of both, alternately. The motion
-// itself is a plain run of the simulation, from its construction on: it keeps no states.
+// itself is a plain run of the simulation, from its construction on: it keeps no states. Beside it a plain run whose
+// springs have values of their own, as those that are learned have, where the scene's may have them in common.
 #include <ctime>
 #include <memory>
 #include <numeric>
@@ -77,8 +78,13 @@ void measure(benchmark::State& state, const Motion& motion, double share = 1.0) 
   const Eigen::VectorXd right = gradient_of(derivatives);
   derivatives.set_accuracy(accuracy);
   Eigen::VectorXd gradient;
-  double forward = 0.0, run = 0.0, both = 0.0;
+  double forward = 0.0, own_forward = 0.0, run = 0.0, both = 0.0;
   for (auto _ : state) {
+    Simulation with_own(motion.network, plugins(), motion.options);
+    with_own.set_rest_lengths(all, {values.begin(), values.end()});
+    const double begun = seconds();
+    with_own.advance_to(motion.duration);
+    own_forward += seconds() - begun;
     const double start = seconds();
     Simulation simulation(motion.network, plugins(), motion.options);
     const double ready = seconds();
@@ -98,6 +104,8 @@ void measure(benchmark::State& state, const Motion& motion, double share = 1.0) 
   state.counters["forward_ms"] = 1e3 * forward / static_cast<double>(state.iterations());
   state.counters["run_over_forward"] = run / forward;
   state.counters["with_gradient_over_forward"] = both / forward;
+  state.counters["own_values_over_forward"] = own_forward / forward;
+  state.counters["with_gradient_over_own_values"] = both / own_forward;
   const MotionDerivatives::Kept kept = derivatives.kept();
   state.counters["states"] = static_cast<double>(kept.states);
   state.counters["saved_states"] = static_cast<double>(kept.saved);
