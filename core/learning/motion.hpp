@@ -189,10 +189,10 @@ struct MotionDerivatives::Impl {
   void begin_backwards(const Step& own);
   // Parts of divided steps: see motion_parts.cpp.
   void take_part(const learning::PartRecorder::Committed& committed);
-  [[nodiscard]] std::size_t take_contacts(const learning::PartRecorder::Committed& committed, std::size_t first);
   void part_forwards(const Step& step);
   void part_backwards(const Step& step);
   void event_backwards(const Step& step);
+  [[nodiscard]] double begin_of(const Step& step) const;
   void pass_instant(const Step& step);
   [[nodiscard]] ByTimes find_times(const Step& step);
   [[nodiscard]] learning::EventCondition condition_of(const Step& step);

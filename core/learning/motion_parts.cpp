@@ -237,9 +237,14 @@ MotionDerivatives::Impl::ByTimes MotionDerivatives::Impl::find_times(const Step&
   return result;
 }
 
+// The host asks for a step that ends later; an instant has the loads of the time before it.
+double MotionDerivatives::Impl::begin_of(const Step& step) const {
+  return step.is_instant ? step.until.time - share_of_step * time_step : step.from.time;
+}
+
 // No time passes, unless its start and end change.
 void MotionDerivatives::Impl::pass_instant(const Step& step) {
-  const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+  const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
   const VectorXd a = accelerations(of, evaluation(step.from));
   for (Index j = 0; j < dps.cols(); ++j) {
     dps.col(j) += (end_moves[j] - start_moves[j]) * step.from.v;
@@ -255,7 +260,7 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   EventCondition result;
   result.by_position.setZero(size());
   result.by_velocity.setZero(size());
-  host.begin_step(step.from.time, step.until.time);
+  host.begin_step(begin_of(step), step.until.time);
   if (!event.is_of_node()) {
     const Topology::Rupturing& breaking = engine.topology().rupturing();
     const bool is_spring = event.kind == LocatedEvent::Kind::spring_rupture;
@@ -291,12 +296,12 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   const auto later = [&](double by) {
     springnet_evaluation then = end;
     then.time += by;
-    host.begin_step(step.is_instant ? then.time : step.from.time, then.time);
+    host.begin_step(step.is_instant ? then.time - share_of_step * time_step : step.from.time, then.time);
     return accelerations(host, then);
   };
   const VectorXd after = later(d), before = later(-d);
   result.by_time += result.by_acceleration.dot(after - before) / (2.0 * d);
-  host.begin_step(step.from.time, step.until.time);
+  host.begin_step(begin_of(step), step.until.time);
   return result;
 }
 
@@ -373,8 +378,9 @@ void MotionDerivatives::Impl::part_backwards(const Step& step) {
   if (step.event == nullptr && !step.starts_at_event) return step_backwards(step);
   if (step.event != nullptr) event_backwards(step);
   if (!step.is_instant) return step_backwards(step);
+  if (pending.size() > 0 && step.event == nullptr) start_backwards(step.until, step.number, pending_until);
   set_for_step(step.number);
-  const sdk::Host& of = host_at_start(step.number - 1, step.from.time, step.until.time);
+  const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
   by_moved = -dp.dot(step.from.v) - dv.dot(accelerations(of, evaluation(step.from)));
 }
 

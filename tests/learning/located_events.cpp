@@ -325,6 +325,63 @@ std::vector<LearnedValues> of_torn(const Network& net) {
 
 }  // namespace
 
+TEST_CASE("events at the same time, and at the end of a step, are part of the derivatives") {
+  for (const Friction::Kind kind : {Friction::Kind::none, Friction::Kind::held})
+    for (const double theta : {1.0, 0.5})
+      for (const double height : {0.3, 0.2}) {
+        CAPTURE(static_cast<int>(kind));
+        CAPTURE(theta);
+        CAPTURE(height);
+        // Two balls on springs touch at once; without gravity the lower start touches where a step ends.
+        Network net;
+        const MaterialIndex soft = net.add_material(damped(20.0, 0.5));
+        for (const double x : {0.0, 1.0}) {
+          const NodeIndex ball = net.add_node(point({x, 0, height}, 1.0, {0.1, 0, -1.0}));
+          const NodeIndex above = net.add_node(point({x, 0, height + 1.0}, 2.0, {0, 0, -1.0}));
+          net.add_spring(ball, above, soft);
+        }
+        Plane floor;
+        floor.friction = {kind, 0.0};
+        floor.restitution = 0.5;
+        net.add_plane(floor);
+        const auto shared = std::make_shared<const Network>(net);
+        MotionDerivatives motion(
+            shared, plugins(), located(theta, 0.02), 0.5,
+            {{Kind::spring_parameter, false, "stiffness", {0, 1}}, {Kind::mass, false, "", {0, 1, 2}}});
+        const VectorXd values = motion.values_of_network();
+        motion.run(values);
+        const Loss loss(motion.step_count() + 1, net.nodes().size());
+        const VectorXd gradient = loss.gradient(motion);
+        const Eigen::MatrixXd changes = Eigen::MatrixXd::Identity(values.size(), values.size());
+        const VectorXd along = loss.along(motion, changes);
+        CHECK((gradient - along).norm() <= 1e-8 * along.norm());
+        // Alike for both, whichever of them counts as the first.
+        CHECK(motion.events().size() >= 2);
+      }
+}
+
+TEST_CASE("the gradient does not lose accuracy where an event is just before the end of a step") {
+  for (const double share : {1e-2, 1e-3, 1e-4, 1e-5})
+    for (const double accuracy : {1e-7, 1e-10}) {
+      CAPTURE(share);
+      CAPTURE(accuracy);
+      Network net;
+      const NodeIndex ball = net.add_node(point({0, 0, 0.2 - 0.02 * share}, 1.0, {0, 0, -1.0}));
+      net.add_spring(ball, net.add_node(point({0, 0, 1.5}, 2.0, {0, 0, -1.0})), net.add_material(damped(20.0, 0.5)));
+      Plane floor;
+      floor.friction = {Friction::Kind::none, 0.0};
+      floor.restitution = 0.5;
+      net.add_plane(floor);
+      MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), located(0.5, 0.02), 0.5,
+                               {{Kind::spring_parameter, false, "stiffness", {0}}, {Kind::mass, false, "", {0, 1}}});
+      motion.set_accuracy(accuracy);
+      motion.run(motion.values_of_network());
+      const Loss loss(motion.step_count() + 1, 2);
+      const VectorXd along = loss.along(motion, Eigen::MatrixXd::Identity(3, 3));
+      CHECK((loss.gradient(motion) - along).norm() <= 10.0 * accuracy * along.norm());
+    }
+}
+
 TEST_CASE("the gradient of a motion in which springs break has the motion of the ruptures in it") {
   const Network net = torn();
   CHECK(check_derivatives(net, located(1.0, 0.01), 0.26, of_torn(net)) > 6);
