@@ -1,7 +1,9 @@
 // PLY, of scanners and point clouds: vertices, faces and edges, in text or binary form. A file of vertices alone gives
 // a cell for each.
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>

@@ -196,7 +196,7 @@ TEST_CASE("what the time step takes from the prediction of held-out observations
 
 TEST_CASE("from the drop of the paper's cube, exactly the values of the nodes that the plane holds have no influence") {
   // The example's drop, with a step that ends before the first contact. From there on the plane holds the lowest 16
-  // nodes, which the net below fixes instead: motions with contact are not differentiated.
+  // nodes, which the net below fixes instead.
   const SimulationOptions options = to_learn_with(1.0, 0.05);
   Simulation drop(cube(3.0, 2.0, 0.2, 0.081), plugins(), options);
   while (drop.events().empty()) drop.step();

@@ -49,8 +49,9 @@ struct LearnedValues {
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of
 // SimulationOptions::time_step. With events = "located" the times at which springs break, nodes touch, slip and leave
 // surfaces move with the values, and that is part of the derivatives. Without, they are those of motions in which the
-// same happens in the same steps. Changes at times, steps that were divided as they did not settle, nodes that are
-// jammed, contact of nodes with rigid connections, and those that join more than 100 nodes are refused with a message.
+// same happens in the same steps. Refused with a message are changes at times of the integrator, of inputs of laws and
+// such as remove nodes, steps that were divided as they did not settle, nodes that are jammed, rigid connections that
+// join more than 100 nodes, and some located events (core/docs/learning.md).
 class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an
