@@ -23,7 +23,8 @@ constexpr double confidence = 0.95;
 
 }  // namespace
 
-Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::size_t observed, double guess_weight) {
+Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::size_t observed, double guess_weight,
+                     double unseen) {
   const Eigen::BDCSVD<MatrixXd> svd(jacobian, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd& values = svd.singularValues();
   singular_values_.assign(values.data(), values.data() + values.size());
@@ -31,7 +32,7 @@ Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::s
   const VectorXd lengths = jacobian.colwise().norm();
   has_influence_ = lengths.array() > no_influence * lengths.maxCoeff();
   Eigen::Index rank = 0;
-  while (rank < values.size() && values[rank] > without_influence * values[0] && values[rank] > 0.0) ++rank;
+  while (rank < values.size() && values[rank] > std::max(without_influence * values[0], unseen)) ++rank;
   undetermined_ = static_cast<std::size_t>(variables - rank);
   const MatrixXd u = svd.matrixU().leftCols(rank);
   const VectorXd own = values.head(rank), inverse = own.cwiseInverse();
@@ -47,7 +48,7 @@ Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::s
     square = std::max(0.0, square - along.squaredNorm());
     middle_ = -(directions_ * inverse.cwiseProduct(along));
   }
-  const double deviation = std::sqrt(square / left);
+  const double deviation = std::sqrt(std::max(square, unseen * unseen) / left);
   const double quantile = boost::math::quantile(boost::math::students_t(left), 0.5 * (1.0 + confidence));
   widths_ = quantile * deviation * inverse;
 }

@@ -11,6 +11,7 @@
 
 #include "learning/experiment_threads.hpp"
 #include "learning/in_threads.hpp"
+#include "learning/lanczos.hpp"
 #include "learning/notes.hpp"
 #include "learning/same_object.hpp"
 
@@ -93,8 +94,28 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
     rows_ += observed.count();
     observed_ += experiments[k].observations.value_count();
     std::vector<Event> events = motions[k]->events();
-    runs_.push_back({std::move(motions[k]), std::move(nets[k]), std::move(observed), first, std::move(events)});
+    extent_ = std::hypot(extent_, observed.extent(*experiments[k].network));
+    runs_.push_back({std::move(motions[k]), std::move(nets[k]), std::move(observed), first,
+                     static_cast<Eigen::Index>(experiments[k].network->nodes().size()), std::move(events)});
   }
+}
+
+// What is left of steps moves each node somewhere; beside that, what is to be seen is not so small a part of the
+// motion.
+void Fit::find_unseen() {
+  constexpr double most = 1e-7;  // of the motion
+  VectorXd left = VectorXd::Zero(rows_);
+  for (const Run& each : runs_) {
+    const auto count = static_cast<Eigen::Index>(each.motion->value_count());
+    const MatrixXd values = MatrixXd::Zero(count, 1);
+    const VectorXd anywhere = arbitrary_vector(3 * each.nodes, 1).cwiseSign();
+    for (std::size_t k = 0; k <= each.motion->step_count(); ++k) {
+      const MotionDerivatives::Settled settled = each.motion->settled_to(k);
+      each.observed.add_tangent(*each.motion, k, {values, settled.position * anywhere, settled.velocity * anywhere},
+                                left.segment(each.first, each.observed.count()));
+    }
+  }
+  unseen_ = std::min(left.norm(), most * extent_);
 }
 
 void Fit::set_guess_weight(double weight) {
@@ -144,12 +165,17 @@ double Fit::cost_of(const VectorXd& values) {
 }
 
 VectorXd Fit::residuals(const VectorXd& x) {
-  const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? x.size() : 0;
-  VectorXd result = VectorXd::Constant(rows_ + guess_rows, std::numeric_limits<double>::quiet_NaN());
-  if (!run(x)) return result;
-  add_residuals(variables_->values(x), result);
-  if (guess_rows > 0)
-    result.tail(guess_rows) = root_guess_weight_ * (x - variables_->start()).cwiseQuotient(variables_->scale());
+  VectorXd observed = VectorXd::Constant(rows_, std::numeric_limits<double>::quiet_NaN());
+  const bool moves = run(x);
+  if (moves) add_residuals(variables_->values(x), observed);
+  if (moves && !is_unseen_known_) find_unseen();
+  is_unseen_known_ = is_unseen_known_ || moves;
+  const Eigen::Index guess_rows = root_weight() > 0.0 ? x.size() : 0;
+  VectorXd result(rows_ + guess_rows);
+  result.head(rows_) = observed;
+  if (guess_rows > 0 && !moves) result.tail(guess_rows).setConstant(observed[0]);
+  if (guess_rows > 0 && moves)
+    result.tail(guess_rows) = root_weight() * (x - variables_->start()).cwiseQuotient(variables_->scale());
   return result;
 }
 
@@ -167,7 +193,7 @@ void Fit::linearise(const VectorXd& x) {
 }
 
 MatrixXd Fit::times(const MatrixXd& changes) {
-  const Eigen::Index guess_rows = root_guess_weight_ > 0.0 ? changes.rows() : 0;
+  const Eigen::Index guess_rows = root_weight() > 0.0 ? changes.rows() : 0;
   MatrixXd result = MatrixXd::Zero(rows_ + guess_rows, changes.cols());
   const MatrixXd values = variables_->times(at_, changes);
   count(static_cast<double>(changes.cols()));
@@ -179,7 +205,7 @@ MatrixXd Fit::times(const MatrixXd& changes) {
     });
   });
   if (guess_rows > 0)
-    result.bottomRows(guess_rows) = root_guess_weight_ * variables_->scale().cwiseInverse().asDiagonal() * changes;
+    result.bottomRows(guess_rows) = root_weight() * variables_->scale().cwiseInverse().asDiagonal() * changes;
   return result;
 }
 
@@ -198,7 +224,7 @@ VectorXd Fit::transposed_times(const VectorXd& weights) {
   for (std::size_t k = 1; k < gradients.size(); ++k) gradient += gradients[k];
   VectorXd result = variables_->transposed_times(at_, gradient);
   if (weights.size() > rows_)
-    result += root_guess_weight_ * weights.tail(weights.size() - rows_).cwiseQuotient(variables_->scale());
+    result += root_weight() * weights.tail(weights.size() - rows_).cwiseQuotient(variables_->scale());
   return result;
 }
 

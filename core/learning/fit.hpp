@@ -1,6 +1,7 @@
 // The least-squares problem of a search: residuals of all experiments by the variables.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -30,9 +31,10 @@ class Fit {
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
   // Of observations alone, before those of the guess.
   [[nodiscard]] Eigen::Index observation_rows() const noexcept { return rows_; }
-  [[nodiscard]] Eigen::Index rows() const noexcept {
-    return rows_ + (root_guess_weight_ > 0.0 ? variables_->count() : 0);
-  }
+  [[nodiscard]] Eigen::Index rows() const noexcept { return rows_ + (root_weight() > 0.0 ? variables_->count() : 0); }
+  // How far the residuals of the observations may be from those of steps that are settled exactly, with the values that
+  // were asked for first: a change of the variables by their scale that moves them less is not seen.
+  [[nodiscard]] double unseen() const noexcept { return unseen_; }
 
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
@@ -55,8 +57,12 @@ class Fit {
     std::unique_ptr<ObservedNet> net;
     ObservedMotion observed;
     Eigen::Index first;  // of its residuals
+    Eigen::Index nodes;
     std::vector<Event> events_at_start;
   };
+  // Of the rows that hold variables at the guess; what is not seen holds them, too, or rounding would move them.
+  [[nodiscard]] double root_weight() const noexcept { return std::hypot(root_guess_weight_, unseen_); }
+  void find_unseen();
   [[nodiscard]] bool run(const Eigen::VectorXd& x);
   [[nodiscard]] bool move(const Eigen::VectorXd& values);
   void add_residuals(const Eigen::VectorXd& values, Eigen::VectorXd& out);
@@ -69,8 +75,10 @@ class Fit {
 
   std::vector<Run> runs_;
   std::unique_ptr<Variables> variables_;
-  double root_guess_weight_ = 0.0;
-  unsigned at_a_time_ = 1;  // experiments
+  double root_guess_weight_ = 0.0, unseen_ = 0.0;
+  bool is_unseen_known_ = false;  // from the first motion whose residuals are asked for
+  double extent_ = 0.0;           // of what was observed, as residuals
+  unsigned at_a_time_ = 1;        // experiments
   std::size_t observed_ = 0;
   Eigen::Index rows_ = 0;
   Eigen::VectorXd at_;  // of the motions; empty: one has failed

@@ -159,7 +159,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
     return result;
   }
   const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
-  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight());
+  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight(), fit.unseen());
   result.singular_values = certainty.singular_values();
   result.undetermined = certainty.undetermined();
   const VectorXd shift = shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals,

@@ -161,6 +161,7 @@ struct MotionDerivatives::Impl {
     check_number(state);
     return trajectory.at(state);
   }
+  void add_settled(double residual);
   void begin(const Eigen::VectorXd& values);
   void begin_parts() {
     parts_before.clear();
@@ -239,6 +240,7 @@ struct MotionDerivatives::Impl {
   learning::Removals removals;
   learning::SceneChanges scene_changes;
   double accuracy = 1e-10;
+  std::vector<Settled> settled;  // [state]
   std::size_t steps, nodes = 0;
   std::string saved_start;
   Eigen::VectorXd network_values;

@@ -1,5 +1,8 @@
 #include "learning/motion.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -41,11 +44,24 @@ void MotionDerivatives::Impl::check_step(std::size_t state) {
     scene_changes.take(state, simulation.time());
     if (constraints) constraints->history().record(simulation, state);
   }
+  add_settled(report.residual);
   const std::vector<Event>& all = simulation.events();
   events.insert(events.end(), all.begin() + static_cast<std::ptrdiff_t>(events_before + events.size()), all.end());
 }
 
+void MotionDerivatives::Impl::add_settled(double residual) {
+  const springnet_network& network = host.network();
+  double lightest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < nodes; ++k)
+    if (network.fixed[k] == 0) lightest = std::min(lightest, network.mass[k]);
+  Settled next = settled.back();
+  if (std::isfinite(residual)) next.velocity += time_step * residual / lightest;
+  next.position += time_step * next.velocity;
+  settled.push_back(next);
+}
+
 void MotionDerivatives::Impl::begin(const VectorXd& values) {
+  settled.assign(1, {});
   simulation.restore(saved_start);
   begin_parts();
   removals.begin(simulation.events().size());
@@ -141,6 +157,10 @@ Eigen::Matrix3Xd MotionDerivatives::positions(std::size_t state) const {
 }
 Eigen::Matrix3Xd MotionDerivatives::velocities(std::size_t state) const {
   return impl_->in_user_order(impl_->at(state).v);
+}
+MotionDerivatives::Settled MotionDerivatives::settled_to(std::size_t state) const {
+  impl_->check_number(state);
+  return impl_->settled[state];
 }
 void MotionDerivatives::tangent(const MatrixXd& changes, const StateTangents& told) { impl_->tangent(changes, told); }
 void MotionDerivatives::set_accuracy(double relative) {

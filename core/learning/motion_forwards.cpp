@@ -138,6 +138,7 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
   set_for_step(1);
   learned.set_without_start(simulation, values);
   begin_parts();
+  settled.assign(1, settled.back());
   if (constraints) constraints->history().begin(simulation);
   recorder.step(simulation, true);
   check_step(1);

@@ -40,6 +40,19 @@ void ObservedMotion::add(const Row& row) {
   count_ += row.is_distance ? 1 : 3;
 }
 
+double ObservedMotion::extent(const Network& network) const {
+  double square = 0.0;
+  for (const Row& row : rows_) {
+    const Vector3& own = network.nodes()[row.node].position;
+    Vector3 start = (row.at.p[0] + row.at.p[1]) * own;  // 0 of velocities
+    if (row.is_distance) start = Vector3((own - network.nodes()[row.other].position).norm(), 0, 0);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)  // what is missing has no weight, and is no number
+      if (row.root_weight[axis] > 0.0)
+        square += std::pow(row.root_weight[axis] * (row.observed[axis] - start[axis]), 2);
+  }
+  return std::sqrt(square);
+}
+
 void ObservedMotion::residuals(const MotionDerivatives& motion, const VectorXd& values, Eigen::Ref<VectorXd> out) {
   if (surface_) surface_->residuals(motion, out.segment(count_, surface_->count()));
   if (reactions_) reactions_->residuals(motion, values, out.tail(reactions_->count()));

@@ -27,6 +27,8 @@ class ObservedMotion {
   // Of each component of a vector, each distance, each component of the way to a point of the surface; what is missing
   // leaves 0.
   [[nodiscard]] Eigen::Index count() const noexcept;
+  // How far what was observed of nodes is from where the network starts, at rest: root of the sum of weighted squares.
+  [[nodiscard]] double extent(const Network& network) const;
   // sqrt(weight) (simulated - observed), with 1/2 |r|^2 the loss. values: those of the motion. The derivatives below
   // are those at this motion.
   void residuals(const MotionDerivatives& motion, const Eigen::VectorXd& values, Eigen::Ref<Eigen::VectorXd> out);

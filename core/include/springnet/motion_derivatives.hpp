@@ -102,6 +102,13 @@ class SPRINGNET_API MotionDerivatives {
   [[nodiscard]] Eigen::Matrix3Xd positions(std::size_t state) const;
   [[nodiscard]] Eigen::Matrix3Xd velocities(std::size_t state) const;
 
+  // How far a state may be from that of steps that are settled exactly: what steps have left unbalanced moves the
+  // lightest node, and nothing brings it back. m, m/s.
+  struct Settled {
+    double position = 0.0, velocity = 0.0;
+  };
+  [[nodiscard]] Settled settled_to(std::size_t state) const;
+
   // Forwards: how each state changes with the values. Each column of `changes` is a change of all of them; the columns
   // that are told have the change of the positions, and of the velocities, [3 node] as x y z of node 0, of node 1, …
   // The linear system of a step is prepared once for all columns.
