@@ -5,6 +5,8 @@
 #include "scene/component.hpp"
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
+#include "scene/time_table.hpp"
+#include "scene/value_tables.hpp"
 #include "text/grouped.hpp"
 
 namespace springnet::scene {
@@ -82,7 +84,12 @@ void change_materials(const Table& table, const std::vector<SpringIndex>& spring
 }
 
 void read_spring_change(const Table& table, const PluginHost& plugins, const Files& files, Network& network) {
-  require_one_of(table, {"spring", "viscosity", "rest_length", "rest_length_scale"});
+  require_one_of(table, {"spring", "viscosity", "rest_length", "rest_length_scale", "values"});
+  if (const auto values = table.find("values")) {
+    refuse_beside(table, {"select", "spring", "viscosity", "rest_length", "rest_length_scale"}, "values");
+    read_spring_values(*values, plugins, files, network);
+    return;
+  }
   const std::vector<SpringIndex> springs = select_springs(table.need("select"), network);
   change_materials(table, springs, plugins, files, network);
   const auto length = table.find("rest_length");

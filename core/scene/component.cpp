@@ -57,18 +57,29 @@ LawUse begin_use(const Value& name, const Component& component, ComponentKind ki
   return {name.text(), supplied, {}};  // with its plugin's id, if that is given
 }
 
+bool needs_preparation(const Component& component) {
+  const ComponentKind kind = component.kind();
+  const bool is_law = kind == ComponentKind::spring_function || kind == ComponentKind::viscosity_function;
+  return is_law && component.law().prepare != nullptr;
+}
+
 // What is missing, and what the law itself refuses, is told at this place.
-void check_use(const LawUse& use, const std::shared_ptr<const Component>& component, const Value& place) {
+void check_at(const LawUse& use, const std::shared_ptr<const Component>& component, const Value& place) {
   const springnet_component& description = *component->description;
   const std::vector<double> parameters = complete_parameters(description, use.parameters, place.where());
   const std::vector<std::span<const double>> tables = complete_tables(description, use.tables, place.where());
-  const ComponentKind kind = component->kind();
-  const bool is_law = kind == ComponentKind::spring_function || kind == ComponentKind::viscosity_function;
-  if (!is_law || component->law().prepare == nullptr) return;
-  place.at_this_place([&] { return layers::Prepared(component, parameters, tables); });
+  if (needs_preparation(*component))
+    place.at_this_place([&] { return layers::Prepared(component, parameters, tables); });
 }
 
 }  // namespace
+
+void check_use(const LawUse& use, const std::shared_ptr<const Component>& component) {
+  if (!needs_preparation(*component)) return;
+  const springnet_component& description = *component->description;
+  static_cast<void>(layers::Prepared(component, complete_parameters(description, use.parameters, component->id()),
+                                     complete_tables(description, use.tables, component->id())));
+}
 
 LawUse read_component(const Table& table, std::string_view name_key, ComponentKind kind, const PluginHost& plugins,
                       const Files& files, const ParameterValues& supplied) {
@@ -91,7 +102,7 @@ LawUse read_component(const Table& table, std::string_view name_key, ComponentKi
     use.parameters.emplace(parameter.name, value);
   }
   use.tables = read_law_tables(table, description, files);
-  check_use(use, component, table.value());
+  check_at(use, component, table.value());
   return use;
 }
 
@@ -124,7 +135,7 @@ LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHo
                            const ParameterValues& supplied) {
   const std::shared_ptr<const Component> component = find_component(name, kind, plugins);
   LawUse use = begin_use(name, *component, kind, supplied);
-  check_use(use, component, name);
+  check_at(use, component, name);
   return use;
 }
 

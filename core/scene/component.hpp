@@ -22,6 +22,9 @@ namespace springnet::scene {
                                     const PluginHost& plugins, const Files& files,
                                     const ParameterValues& supplied = {});
 
+// Throws Error(input) for values that the law itself refuses.
+void check_use(const LawUse& use, const std::shared_ptr<const Component>& component);
+
 // A component given by its name only.
 [[nodiscard]] LawUse read_component_name(const Value& name, ComponentKind kind, const PluginHost& plugins,
                                          const ParameterValues& supplied = {});

@@ -119,6 +119,17 @@ CsvTable::CsvTable(std::string_view text, std::string name, std::size_t most_cel
   }
 }
 
+bool CsvTable::has(std::string_view name) const {
+  return std::any_of(columns_.begin(), columns_.end(), [&](const Column& column) { return column.name == name; });
+}
+
+std::size_t CsvTable::first_other_than(const std::vector<std::string>& names) const {
+  const auto other = std::find_if(columns_.begin(), columns_.end(), [&](const Column& column) {
+    return std::find(names.begin(), names.end(), column.name) == names.end();
+  });
+  return other == columns_.end() ? 0 : static_cast<std::size_t>(other - columns_.begin()) + 1;
+}
+
 CsvColumns CsvTable::columns(const std::vector<std::string>& names) const {
   const auto fail = [&](std::uint32_t line, std::string_view what) {
     throw Error(ErrorKind::input, fmt::format("{}:{}: {}", printable(file_, max_path_length), line, what));

@@ -36,6 +36,9 @@ class CsvTable {
   // The columns with these names. Throws Error(input) for one that is missing or there twice, or has a cell that is not
   // a finite number; cells of other columns may be anything.
   [[nodiscard]] CsvColumns columns(const std::vector<std::string>& names) const;
+  [[nodiscard]] bool has(std::string_view name) const;
+  // The number of the first column, from 1, that has none of these names; 0 if there is none.
+  [[nodiscard]] std::size_t first_other_than(const std::vector<std::string>& names) const;
   [[nodiscard]] std::size_t cells() const noexcept { return columns_.size() * lines_.size(); }
 
  private:

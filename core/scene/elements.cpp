@@ -17,6 +17,7 @@
 #include "scene/parts.hpp"
 #include "scene/select.hpp"
 #include "scene/time_table.hpp"
+#include "scene/value_tables.hpp"
 
 namespace springnet::scene {
 namespace {
@@ -272,6 +273,8 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
           first, parts));
     }
   }
+  if (const auto values = table.find("values"))
+    read_element_values(*values, plugins, files, first, static_cast<ElementIndex>(elements.size()), network);
   scene.elements.push_back({name ? name->text() : "", first, static_cast<ElementIndex>(elements.size())});
 }
 

@@ -47,9 +47,14 @@ std::filesystem::path Files::resolve(const Value& name) const {
   return path;
 }
 
-CsvColumns Files::csv_columns(const Value& name, const std::vector<std::string>& columns) const {
+const CsvTable& Files::csv_table(const Value& name) const {
   const std::filesystem::path path = resolve(name);
-  return name.at_this_place([&] { return csv->read(path).columns(columns); });
+  return *name.at_this_place([&] { return &csv->read(path); });
+}
+
+CsvColumns Files::csv_columns(const Value& name, const std::vector<std::string>& columns) const {
+  const CsvTable& table = csv_table(name);
+  return name.at_this_place([&] { return table.columns(columns); });
 }
 
 }  // namespace springnet::scene

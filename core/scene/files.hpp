@@ -34,6 +34,8 @@ struct Files {
   [[nodiscard]] std::filesystem::path resolve(const Value& name) const;
   // Columns of a CSV file that the scene names. Throws Error(input) at the value.
   [[nodiscard]] CsvColumns csv_columns(const Value& name, const std::vector<std::string>& columns) const;
+  // The whole file. Throws likewise.
+  [[nodiscard]] const CsvTable& csv_table(const Value& name) const;
   // Tells that work on `count` nodes, springs or cells begins, if that takes time.
   void tell(std::string_view stage, std::size_t count) const {
     if (loading && count >= slow_to_load) loading({stage, std::numeric_limits<double>::quiet_NaN()});

@@ -7,6 +7,7 @@
 #include <springnet/error.hpp>
 
 #include "plugin_host/law_use.hpp"
+#include "scene/value_tables.hpp"
 #include "scene/writing.hpp"
 
 namespace springnet::scene {
@@ -24,8 +25,8 @@ bool reads_direction(const Material& material, const PluginHost& plugins) {
 
 }  // namespace
 
-WrittenElements::WrittenElements(const Scene& scene, const PluginHost& plugins)
-    : network_(scene.network), plugins_(plugins) {
+WrittenElements::WrittenElements(const Scene& scene, const PluginHost& plugins, ValueFiles& values)
+    : network_(scene.network), plugins_(plugins), values_(values) {
   const std::vector<Element>& elements = network_.elements();
   // Where a table has to begin: at a new set, and where the elements of an input or a change begin or end.
   std::set<ElementIndex> starts;
@@ -47,7 +48,7 @@ WrittenElements::WrittenElements(const Scene& scene, const PluginHost& plugins)
   for (const auto& [first, name] : names) taken.insert(name);
   for (ElementIndex e = 0; e < elements.size(); ++e) {
     const bool begins = e == 0 || starts.contains(e) || elements[e].invariant != elements[e - 1].invariant ||
-                        elements[e].material != elements[e - 1].material;
+                        values_.group_of(elements[e].material) != values_.group_of(elements[e - 1].material);
     if (!begins) {
       ++pieces_.back().count;
       continue;
@@ -91,6 +92,11 @@ void WrittenElements::write(Document& out) const {
     out.add("invariant", in_quotes(name_of(first.invariant)));
     out.add("nodes", list(piece.count, [&](std::size_t k) { return whole_numbers(each(k).nodes); }));
     write_material(material, plugins_, false, out);
+    std::vector<ValueFiles::Row> rows;
+    for (std::size_t k = 0; k < piece.count; ++k)
+      if (each(k).material != first.material)
+        rows.push_back({static_cast<std::uint32_t>(k), first.material, each(k).material});
+    if (!rows.empty()) out.add("values", in_quotes(values_.add(element_column, rows)));
     const auto all = [&](const auto& holds) {
       for (std::size_t k = 0; k < piece.count; ++k)
         if (!holds(each(k))) return false;

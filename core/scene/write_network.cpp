@@ -7,6 +7,7 @@
 #include <springnet/error.hpp>
 
 #include "network/checks.hpp"
+#include "scene/value_tables.hpp"
 #include "scene/writing.hpp"
 
 namespace springnet::scene {
@@ -128,14 +129,24 @@ void write_nodes(const Network& network, const Block& block, const PluginHost& p
     out.add("velocity", vector(first.velocity));
 }
 
-void write_connections(const Network& network, SpringIndex first, const PluginHost& plugins, Document& out) {
+// The connections that are written as one, beginning with this one.
+SpringIndex end_of_connection(const Network& network, SpringIndex first, const ValueFiles& values) {
+  const SpringList& springs = network.springs();
+  const MaterialIndex group = values.group_of(springs[first].material);
+  SpringIndex end = first;
+  while (end < springs.size() && values.group_of(springs[end].material) == group) ++end;
+  return end;
+}
+
+void write_connections(const Network& network, SpringIndex first, const PluginHost& plugins, const ValueFiles& values,
+                       Document& out) {
   const SpringList& springs = network.springs();
   while (first < springs.size()) {
-    SpringIndex end = first;
+    const SpringIndex end = end_of_connection(network, first, values);
     bool own_lengths = false;
-    for (; end < springs.size() && springs[end].material == springs[first].material; ++end)
-      own_lengths = own_lengths ||
-                    !same_bits(springs[end].rest_length, distance_of(network, springs[end].first, springs[end].second));
+    for (SpringIndex k = first; k < end; ++k)
+      own_lengths =
+          own_lengths || !same_bits(springs[k].rest_length, distance_of(network, springs[k].first, springs[k].second));
     out.begin("[[connect]]");
     out.add("pairs", list(end - first, [&](std::size_t k) {
               const Spring spring = springs[first + k];
@@ -160,7 +171,7 @@ void write_rigids(const Network& network, Document& out) {
 
 }  // namespace
 
-void write_bodies(const Network& network, const PluginHost& plugins, Document& out) {
+void write_bodies(const Network& network, const PluginHost& plugins, const ValueFiles& values, Document& out) {
   std::vector<Block> blocks = blocks_of(network);
   const SpringIndex connections = first_connection(network, blocks);
   give_faces(network, blocks);
@@ -183,15 +194,17 @@ void write_bodies(const Network& network, const PluginHost& plugins, Document& o
               return Inline().add("name", in_quotes(group.name)).add("nodes", nodes).text();
             }));
   }
-  write_connections(network, connections, plugins, out);
+  write_connections(network, connections, plugins, values, out);
   write_rigids(network, out);
 }
 
-void write_node_changes(const Network& network, const PluginHost& plugins, Document& out) {
+void write_node_changes(const Network& network, const PluginHost& plugins, ValueFiles& values, Document& out) {
   std::vector<Block> blocks = blocks_of(network);
-  static_cast<void>(first_connection(network, blocks));
+  const SpringList& springs = network.springs();
+  const SpringIndex connections = first_connection(network, blocks);
   std::map<std::uint32_t, std::vector<NodeIndex>> neurons;
-  std::map<MaterialIndex, std::vector<SpringIndex>> materials;
+  std::map<MaterialIndex, std::vector<SpringIndex>> materials;  // by their groups
+  std::vector<MaterialIndex> written(springs.size());           // [spring]
   std::vector<NodeIndex> fixed;
   for (const Block& block : blocks) {
     for (NodeIndex k = block.first_node; k < block.first_node + block.node_count; ++k) {
@@ -199,10 +212,16 @@ void write_node_changes(const Network& network, const PluginHost& plugins, Docum
       if (node.neuron != network.nodes()[block.first_node].neuron) neurons[node.neuron].push_back(k);
       if (node.fixed) fixed.push_back(k);
     }
-    for (SpringIndex s = block.first_spring; s < block.first_spring + block.spring_count; ++s)
-      if (const MaterialIndex own = network.springs()[s].material;
-          own != network.springs()[block.first_spring].material)
+    for (SpringIndex s = block.first_spring; s < block.first_spring + block.spring_count; ++s) {
+      written[s] = springs[block.first_spring].material;
+      if (const MaterialIndex own = values.group_of(springs[s].material); own != values.group_of(written[s]))
         materials[own].push_back(s);
+    }
+  }
+  for (SpringIndex first = connections; first < springs.size();) {
+    const SpringIndex end = end_of_connection(network, first, values);
+    std::fill(written.begin() + first, written.begin() + end, springs[first].material);
+    first = end;
   }
   const auto select = [&](const char* what, const std::string& numbers) {
     out.add("select", Inline().add(what, numbers).text());
@@ -212,10 +231,20 @@ void write_node_changes(const Network& network, const PluginHost& plugins, Docum
     select("nodes", whole_numbers(nodes));
     out.add("neuron", text_of(network.neurons()[neuron], ComponentKind::neuron, plugins));
   }
-  for (const auto& [material, springs] : by_first(materials)) {
+  for (const auto& [group, members] : by_first(materials)) {
+    const MaterialIndex first = springs[members.front()].material;
     out.begin("[[spring]]");
-    select("springs", whole_numbers(springs));
-    write_material(network.materials()[material], plugins, true, out);
+    select("springs", whole_numbers(members));
+    write_material(network.materials()[first], plugins, true, out);
+    for (const SpringIndex s : members) written[s] = first;
+  }
+  std::map<MaterialIndex, std::vector<ValueFiles::Row>> rows;  // by their groups
+  for (SpringIndex s = 0; s < springs.size(); ++s)
+    if (const MaterialIndex own = springs[s].material; own != written[s])
+      rows[values.group_of(own)].push_back({s, written[s], own});
+  for (const auto& [group, of_group] : rows) {
+    out.begin("[[spring]]");
+    out.add("values", in_quotes(values.add(spring_column, of_group)));
   }
   // Those that a [[move]] moves are fixed by it.
   std::vector<NodeIndex> moved;

@@ -1,5 +1,7 @@
 #include <springnet/scene_writer.hpp>
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
@@ -63,30 +65,47 @@ void write_output(const Scene& scene, const WrittenElements& elements, Document&
 }  // namespace
 }  // namespace scene
 
-std::string to_scene(const Scene& scene, const PluginHost& plugins) {
+namespace scene {
+namespace {
+
+std::string text_of(const Scene& scene, const PluginHost& plugins, ValueFiles& values) {
   const Network& network = scene.network;
   if (network.nodes().empty()) throw Error(ErrorKind::input, "a scene needs a network with nodes; this one has none");
-  scene::toml_text::Document out;
-  if (!scene.title.empty()) out.add("title", scene::toml_text::in_quotes(scene.title));
-  scene::write_simulation(scene, plugins, out);
-  if (!scene::same_bits(network.gravity(), Vector3::Zero())) {
+  Document out;
+  if (!scene.title.empty()) out.add("title", in_quotes(scene.title));
+  write_simulation(scene, plugins, out);
+  if (!same_bits(network.gravity(), Vector3::Zero())) {
     out.begin("[gravity]");
-    out.add("acceleration", scene::toml_text::vector(network.gravity()));
+    out.add("acceleration", vector(network.gravity()));
   }
-  const scene::WrittenElements elements(scene, plugins);
-  scene::write_output(scene, elements, out);
-  scene::write_bodies(network, plugins, out);
+  const WrittenElements elements(scene, plugins, values);
+  write_output(scene, elements, out);
+  write_bodies(network, plugins, values, out);
   elements.write(out);
-  scene::write_node_changes(network, plugins, out);
-  scene::write_loads(network, out);
-  scene::write_surroundings(network, out);
-  scene::write_inputs(network, elements, out);
-  scene::write_changes(network, plugins, elements, out);
-  if (out.text().size() > scene::longest_scene)
+  write_node_changes(network, plugins, values, out);
+  write_loads(network, out);
+  write_surroundings(network, out);
+  write_inputs(network, elements, out);
+  write_changes(network, plugins, elements, out);
+  if (out.text().size() > longest_scene)
     throw Error(ErrorKind::input,
                 fmt::format("the network is too large for a scene: its text has {} bytes, at most {} are read",
-                            out.text().size(), scene::longest_scene));
+                            out.text().size(), longest_scene));
   return out.text();
+}
+
+}  // namespace
+}  // namespace scene
+
+std::string to_scene(const Scene& scene, const PluginHost& plugins) {
+  scene::ValueFiles none(scene.network);
+  return scene::text_of(scene, plugins, none);
+}
+
+SceneWithTables to_scene_with_tables(const Scene& scene, const PluginHost& plugins, const std::string& stem) {
+  scene::ValueFiles values(scene.network, plugins, stem);
+  std::string text = scene::text_of(scene, plugins, values);
+  return {std::move(text), std::move(values.files())};
 }
 
 void write_scene(const Scene& scene, const PluginHost& plugins, const std::filesystem::path& file) {

@@ -10,6 +10,7 @@
 #include <springnet/scene_writer.hpp>
 
 #include "scene/toml_text.hpp"
+#include "scene/write_values.hpp"
 
 namespace springnet::scene {
 
@@ -34,13 +35,15 @@ struct Block {
   const Body* body;  // null: nodes of no body
 };
 // Bodies, connections, rigid connections, and nodes and springs that differ from the rest of their body.
-void write_bodies(const Network& network, const PluginHost& plugins, toml_text::Document& out);
-void write_node_changes(const Network& network, const PluginHost& plugins, toml_text::Document& out);
+void write_bodies(const Network& network, const PluginHost& plugins, const ValueFiles& values,
+                  toml_text::Document& out);
+void write_node_changes(const Network& network, const PluginHost& plugins, ValueFiles& values,
+                        toml_text::Document& out);
 
 // [[element]], and the names of the tables.
 class WrittenElements {
  public:
-  WrittenElements(const Scene& scene, const PluginHost& plugins);
+  WrittenElements(const Scene& scene, const PluginHost& plugins, ValueFiles& values);
   void write(toml_text::Document& out) const;
   // The names of the tables that have these elements, ascending, and no others. Throws Error(input) if there are none
   // such; `what` asks.
@@ -53,6 +56,7 @@ class WrittenElements {
   };
   const Network& network_;
   const PluginHost& plugins_;
+  ValueFiles& values_;
   std::vector<Piece> pieces_;
 };
 

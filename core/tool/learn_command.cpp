@@ -39,7 +39,8 @@ neuron declares learnable), rest_length, reference, mass, velocity, load or grav
 third [[force]], gravity@z one component.
 
 Files in the output folder:
-  learned.toml      the scene with the values that were learned
+  learned.toml      the scene with the values that were learned; many of springs or elements are in
+                    learned_springs.csv, learned_elements.csv
   learning.json     each value with its interval, what the data determine, the course of the search
   learning.html     the values on the body, the motions before and after, and curves, for a browser
   learning.state    while the search has not reached its end, what --resume goes on from
@@ -81,6 +82,7 @@ constexpr const char* learning_file = "learning.json";
 constexpr const char* page_file = "learning.html";
 
 constexpr const char* state_file = "learning.state";
+constexpr const char* learned_stem = "learned";  // of learned_springs.csv, learned_elements.csv
 
 constexpr Optimiser optimisers[] = {Optimiser::levenberg_marquardt, Optimiser::lbfgs, Optimiser::descent};
 
@@ -279,7 +281,9 @@ int run(const LearnArguments& arguments) {
     motions.push_back({std::move(scenes[k]), experiments[k]});
   }
   write_learning_page({folder, page_file}, motions, host, learned);
-  write_whole({folder, learned_file}, to_scene(scene, *host));
+  const SceneWithTables with_tables = to_scene_with_tables(scene, *host, learned_stem);
+  for (const SceneTable& each : with_tables.tables) write_whole({folder, each.name}, each.text);
+  write_whole({folder, learned_file}, with_tables.scene);
   if (!learned.stopped) remove_output({folder, state_file});
   if (arguments.output.json) {
     fmt::print("{}", json);

@@ -379,6 +379,56 @@ TEST_CASE("every example is read back the same") {
   CHECK(count >= 15);
 }
 
+TEST_CASE("many values of springs and elements are in tables, and are read back the same, bit for bit") {
+  const Scene first = read(everything);
+  Scene scene = first;
+  Network& net = scene.network;
+  const auto vary = [&](MaterialIndex own, std::size_t k) {
+    Material material = net.materials()[own];
+    for (auto* const law : {&material.spring, &material.viscosity})
+      if (*law)
+        for (auto& [name, value] : (*law)->parameters)
+          if (name == "stiffness" || name == "damping" || name == "strength") value *= 1.0 + 0.1 / (1.0 + double(k));
+    return net.add_material(material);
+  };
+  for (SpringIndex k = 0; k < net.springs().size(); ++k) net.set_spring_material(k, vary(net.springs()[k].material, k));
+  for (ElementIndex e = 0; e < net.elements().size(); ++e)
+    net.set_element_material(e, vary(net.elements()[e].material, e));
+  const SceneWithTables written = to_scene_with_tables(scene, *plugins(), "varied");
+  CHECK((written.scene.size() < to_scene(scene, *plugins()).size() / 2));
+  REQUIRE(written.tables.size() >= 2);
+  CHECK(written.tables[0].name == "varied_elements.csv");
+  const TemporaryFolder folder;
+  for (const SceneTable& each : written.tables) folder.write(each.name, each.text);
+  const Scene back = parse_scene(written.scene, "written", *plugins(), {}, folder.path());
+  check_same_nets(scene.network, back.network);
+  check_same_motion(scene, back, 20);
+  // Few stand in the scene, as without tables.
+  const SceneWithTables few = to_scene_with_tables(first, *plugins(), "few");
+  CHECK(few.tables.empty());
+  CHECK((few.scene == to_scene(first, *plugins())));
+}
+
+TEST_CASE("connections with values of their own are one table") {
+  Network net;
+  net.begin_body("a");
+  for (int k = 0; k < 30; ++k) net.add_node({{0.1 * k, 0, 0}});
+  net.end_body();
+  for (NodeIndex k = 0; k + 1 < 30; ++k) {
+    const LawUse spring{"linear", {{"stiffness", 1.0 + k}}},
+        other{"exponential", {{"stiffness", 1.0 + k}, {"exponent", 2.0}}};
+    net.add_spring(k, k + 1, net.add_material({k < 15 ? spring : other, std::nullopt}), k == 20 ? 0.2 : 0.1);
+  }
+  const SceneWithTables written = to_scene_with_tables(scene_of(net), *plugins(), "learned");
+  REQUIRE(written.tables.size() == 2);
+  CHECK(written.tables[0].name == "learned_springs.csv");
+  CHECK(written.tables[1].name == "learned_springs_2.csv");
+  CHECK(written.tables[0].text.starts_with("spring,spring.stiffness\n1,2"));
+  const TemporaryFolder folder;
+  for (const SceneTable& each : written.tables) folder.write(each.name, each.text);
+  check_same_nets(net, parse_scene(written.scene, "written", *plugins(), {}, folder.path()).network);
+}
+
 TEST_CASE("the present state of a simulation starts with the same forces when it is read back") {
   Scene scene = read(everything);
   Simulation simulation(scene.network, plugins(), scene.options);

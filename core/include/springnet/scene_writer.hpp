@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <springnet/export.hpp>
 #include <springnet/plugin_host.hpp>
@@ -24,8 +25,22 @@ namespace springnet {
 // no body get one. `plugins` has the laws' components, for the names of their options. Throws Error(input) that names
 // what a scene cannot say: faces with nodes of two bodies, components that no plugin offers, a text of more than 64 MB.
 [[nodiscard]] SPRINGNET_API std::string to_scene(const Scene& scene, const PluginHost& plugins);
-// The same to a file, which is written beside it and takes its place once it is whole. Throws Error(input) that names
-// the file, too.
+
+// A file that a scene reads.
+struct SceneTable {
+  std::string name;  // in the scene's folder
+  std::string text;
+};
+struct SceneWithTables {
+  std::string scene;
+  std::vector<SceneTable> tables;
+};
+// The same with the numbers of laws in files where more than eight materials differ in them alone:
+// "learned_springs.csv" for the stem "learned", with a row for each spring, and "learned_elements.csv".
+[[nodiscard]] SPRINGNET_API SceneWithTables to_scene_with_tables(const Scene& scene, const PluginHost& plugins,
+                                                                 const std::string& stem);
+// As to_scene(), to a file, which is written beside it and takes its place once it is whole. Throws Error(input) that
+// names the file, too.
 SPRINGNET_API void write_scene(const Scene& scene, const PluginHost& plugins, const std::filesystem::path& file);
 
 }  // namespace springnet

@@ -1,0 +1,28 @@
+// Values of springs or elements in a CSV file, a row for each of them.
+#pragma once
+
+#include <springnet/network.hpp>
+#include <springnet/plugin_host.hpp>
+
+#include "scene/files.hpp"
+#include "scene/reader.hpp"
+
+namespace springnet::scene {
+
+// Names of the columns: the owner's number, its value at rest, and parameters of its laws, as spring.stiffness.
+inline constexpr const char* spring_column = "spring";
+inline constexpr const char* element_column = "element";
+inline constexpr const char* rest_length_column = "rest_length";
+inline constexpr const char* reference_column = "reference";
+inline constexpr const char* spring_function_prefix = "spring.";
+inline constexpr const char* viscosity_function_prefix = "viscosity.";
+
+// Rows name springs by their numbers in the network. All of them must have what a column is of. Throws Error(input) at
+// `file`, with the line, for a number that does not exist or is there twice, a column of nothing, a value out of
+// bounds.
+void read_spring_values(const Value& file, const PluginHost& plugins, const Files& files, Network& network);
+// Rows name elements by their place among `count` from `first` on.
+void read_element_values(const Value& file, const PluginHost& plugins, const Files& files, ElementIndex first,
+                         ElementIndex count, Network& network);
+
+}  // namespace springnet::scene
