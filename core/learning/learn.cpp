@@ -63,11 +63,32 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
   return {};
 }
 
+// What is known of the values beforehand is in the units of the observations' noise, if that is known.
+LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
+                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
+                             LearnOptions options) {
+  const bool have_widths = std::any_of(learnables.begin(), learnables.end(),
+                                       [](const Learnable& each) { return !each.guess_widths.empty(); });
+  const bool can_compare = !learning::have_plain_weights(learning::learned_from(experiments));
+  options.guess_rule = GuessRule::given;
+  options.guess_weight = have_widths && can_compare ? 1.0 : 0.0;
+  LearnedNet result = learn(experiments, plugins, learnables, options);
+  if (have_widths)
+    result.notes.push_back(can_compare
+                               ? "First guesses hold values by their widths, beside the standard deviations of the "
+                                 "observations (weight 1)."
+                               : "First guesses have widths, but the observations no standard deviations to compare "
+                                 "them with: the guesses hold nothing (weight 0). Give the tables columns 's', or "
+                                 "choose the weight by the L-curve.");
+  return result;
+}
+
 }  // namespace
 
 LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shared_ptr<const PluginHost>& plugins,
                  const std::vector<Learnable>& learnables, const LearnOptions& options) {
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
+  if (options.guess_rule == GuessRule::widths) return learn_with_widths(all_experiments, plugins, learnables, options);
   learning::check_starts(options);
   learning::Judge judge(all_experiments, plugins, learnables, options);
   const std::vector<Experiment> experiments = learning::learned_from(all_experiments);
@@ -168,6 +189,14 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
   learning::describe(result, variables, minimum.x, &certainty, shift);
   learning::add_notes(result);
   return result;
+}
+
+VectorXd values_in(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,
+                   const std::vector<Learnable>& learnables) {
+  learning::LearnedSets sets(*network, learning::values_of(learnables));
+  Engine engine(network, plugins, {});
+  sets.attach(engine);
+  return sets.values_of(engine);
 }
 
 Network with_values(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,

@@ -69,6 +69,8 @@ std::string text_of(const std::vector<Learnable>& learnables) {
     digest.add(each.lower);
     digest.add(each.upper);
     digest.add(each.field_degree);
+    digest.add(each.guess_widths.size());
+    for (const double width : each.guess_widths) digest.add(width);
     names += fmt::format("{}{}{}{} of {}", names.empty() ? "" : ", ", each.values.of_elements ? "element." : "",
                          name_of(each.values.kind), each.values.parameter.empty() ? "" : "." + each.values.parameter,
                          each.values.members.size());

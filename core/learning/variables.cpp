@@ -90,6 +90,7 @@ class Variables::Builder {
     const std::size_t first = links_.size(), axes = is_velocity ? 3 : 1, count = what.values.members.size();
     links_.resize(first + axes * count);
     for (std::size_t i = 0; i < axes * count; ++i) set_bounds(what, what.values.members[i / axes], first + i);
+    set_widths(what, axes * count);
     if (count == 0) return;
     const bool is_field = what.field_degree >= 0;
     if (what.together && is_velocity)
@@ -128,6 +129,25 @@ class Variables::Builder {
                               "give the network another value, or other bounds",
                               own(value), link.lower, link.upper));
     link.is_logarithmic = bounds.excludes_lower && link.lower >= 0.0 && own(value) > 0.0;
+  }
+
+  void set_widths(const Learnable& what, std::size_t count) {
+    if (!what.guess_widths.empty() && what.guess_widths.size() != count)
+      throw Error(ErrorKind::input, fmt::format("learning: {} values have {} widths of the guess; give each its own",
+                                                count, what.guess_widths.size()));
+    for (const double each : what.guess_widths)
+      if (!(each >= 0.0 && std::isfinite(each)))
+        throw Error(ErrorKind::input, fmt::format("learning: a guess has the width {}, must be 0 or above", each));
+    widths_.insert(widths_.end(), what.guess_widths.begin(), what.guess_widths.end());
+    widths_.resize(links_.size(), 0.0);
+  }
+
+  // Of a variable, from those of the values that it drives: what these are known by adds up. 1: nothing is known.
+  [[nodiscard]] double width_of(const std::vector<std::size_t>& values, const VectorXd& basis) const {
+    double known = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (const double own = widths_[values[i]]; own > 0.0) known += basis[static_cast<Eigen::Index>(i)] / (own * own);
+    return known > 0.0 ? 1.0 / std::sqrt(known) : 1.0;
   }
 
   [[nodiscard]] MatrixXd basis_of(const Learnable& what) const {
@@ -187,7 +207,8 @@ class Variables::Builder {
       is_logarithmic.push_back(logarithmic);
       lower.push_back(low);
       upper.push_back(high);
-      scale.push_back(logarithmic || greatest == 0.0 ? 1.0 : is_added ? greatest : std::abs(reference));
+      const double unit = logarithmic || greatest == 0.0 ? 1.0 : is_added ? greatest : std::abs(reference);
+      scale.push_back(unit * width_of(values, basis.col(k)));
     }
   }
 
@@ -195,6 +216,7 @@ class Variables::Builder {
   const PluginHost& plugins_;
   const VectorXd& start_;
   std::vector<Link>& links_;
+  std::vector<double> widths_;  // [value] of guesses; 0: not known
 };
 
 Variables::Variables(const Network& network, const PluginHost& plugins, const std::vector<Learnable>& learnables,

@@ -25,7 +25,8 @@ class Variables {
   [[nodiscard]] const Eigen::VectorXd& start() const noexcept { return start_; }
   [[nodiscard]] const Eigen::VectorXd& lower() const noexcept { return lower_; }
   [[nodiscard]] const Eigen::VectorXd& upper() const noexcept { return upper_; }
-  // Changes of variables that count as the same: 1 of a logarithm, else the size of the value at the start.
+  // Changes of variables that count as the same: 1 of a logarithm, else the size of the value at the start, times the
+  // width of the guess where it is known.
   [[nodiscard]] const Eigen::VectorXd& scale() const noexcept { return scale_; }
   // Searched by the logarithm of its values.
   [[nodiscard]] bool is_logarithmic(Eigen::Index variable) const {

@@ -15,6 +15,7 @@
 #include "common.hpp"
 #include "learn_compare.hpp"
 #include "learn_experiments.hpp"
+#include "learn_guesses.hpp"
 #include "learn_page.hpp"
 #include "process.hpp"
 #include "progress.hpp"
@@ -43,6 +44,7 @@ Files in the output folder:
                     learned_springs.csv, learned_elements.csv
   learning.json     each value with its interval, what the data determine, the course of the search
   learning.html     the values on the body, the motions before and after, and curves, for a browser
+  learned.fcl       with --correct-rules: the corrected rule base
   learning.state    while the search has not reached its end, what --resume goes on from
 Ctrl-C ends the search; the files then have the best values until then.
 
@@ -54,6 +56,8 @@ Examples:
 
 Exit status:
   0 done   1 no value was found   2 usage, scene or observations   3 plugin)";
+
+constexpr const char* widths_rule = "widths";
 
 struct LearnArguments {
   SceneArguments scene;
@@ -73,7 +77,8 @@ struct LearnArguments {
   bool resume = false;
   double memory = 1024.0;  // MiB
   double outlier_distance = Observations{}.outlier_distance;
-  std::string guess_weight = "0";
+  std::string guess_weight = widths_rule;
+  bool correct_rules = false;
   std::vector<std::filesystem::path> held_out;
 };
 
@@ -82,6 +87,7 @@ constexpr const char* learning_file = "learning.json";
 constexpr const char* page_file = "learning.html";
 
 constexpr const char* state_file = "learning.state";
+constexpr const char* rules_file = "learned.fcl";
 constexpr const char* learned_stem = "learned";  // of learned_springs.csv, learned_elements.csv
 
 constexpr Optimiser optimisers[] = {Optimiser::levenberg_marquardt, Optimiser::lbfgs, Optimiser::descent};
@@ -119,7 +125,9 @@ std::string read_state(const OutputFolder& folder) {
 }
 
 void set_guess_weight(LearnOptions& options, const std::string& text) {
-  if (text == "discrepancy") {
+  if (text == widths_rule) {
+    options.guess_rule = GuessRule::widths;
+  } else if (text == "discrepancy") {
     options.guess_rule = GuessRule::discrepancy;
   } else if (text == "l-curve") {
     options.guess_rule = GuessRule::l_curve;
@@ -215,6 +223,10 @@ int run(const LearnArguments& arguments) {
   std::vector<Learnable> learnables;
   for (const std::string& each : arguments.parameters)
     learnables.push_back(select_learnable(scene.network, *host, each));
+  const std::unique_ptr<const GuessedValues> guesses = guesses_of(arguments.scene, host, learnables);
+  if (guesses) guesses->set_widths(learnables);
+  if (arguments.correct_rules && !guesses)
+    throw Error(ErrorKind::input, "--correct-rules: no value that is learned comes from words of the scene");
   std::vector<Experiment> experiments{experiment_of(scene, arguments.observations)};
   std::vector<Scene> scenes{scene};
   for (const std::string& each : arguments.experiments) {
@@ -226,7 +238,7 @@ int run(const LearnArguments& arguments) {
   if (!arguments.held_out.empty()) experiment.held_out = observations_of(scene, arguments.held_out);
   for (Experiment& each : experiments) each.observations.outlier_distance = arguments.outlier_distance;
   const OutputFolder::Pointer folder =
-      arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file});
+      arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file, rules_file});
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
@@ -272,6 +284,11 @@ int run(const LearnArguments& arguments) {
   for (const std::string& note : notes_of(scene)) notes.push_back(note);
   learned.notes.insert(learned.notes.begin(), notes.begin(), notes.end());
 
+  if (arguments.correct_rules) {
+    const CorrectedRules corrected = corrected_rules(*guesses, learned, arguments.scene);
+    learned.notes.insert(learned.notes.end(), corrected.notes.begin(), corrected.notes.end());
+    write_whole({folder, rules_file}, corrected.fcl);
+  }
   scene.network = with_values(experiment.network, host, learnables, learned.values);
   const std::string json = to_json(learned);
   write_whole({folder, learning_file}, json);
@@ -362,10 +379,15 @@ void add_learn(CLI::App& app, Action& action) {
   command
       ->add_option("--guess-weight", arguments->guess_weight,
                    "Weight of the squares of relative changes from the start, to which values go that the data do not "
-                   "determine; discrepancy: the greatest with which differences are within the standard deviations; "
-                   "l-curve: where smaller ones move values without getting nearer to the observations [0]")
-      ->type_name("W|discrepancy|l-curve")
-      ->check(CLI::IsMember({"discrepancy", "l-curve"}) | number_between(0.0, finite));
+                   "determine; widths: 1 where words of the scene are the guess and the tables have standard "
+                   "deviations, else 0; discrepancy: the greatest with which differences are within the standard "
+                   "deviations; l-curve: where smaller ones move values without getting nearer to the observations "
+                   "[widths]")
+      ->type_name("W|widths|discrepancy|l-curve")
+      ->check(CLI::IsMember({widths_rule, "discrepancy", "l-curve"}) | number_between(0.0, finite));
+  command->add_flag("--correct-rules", arguments->correct_rules,
+                    "Write the rule base whose words the scene has with terms that would have guessed what was "
+                    "learned, learned.fcl");
   command
       ->add_option("--held-out", arguments->held_out,
                    "Tables of the same motion that are not learned from, but judge what was learned")

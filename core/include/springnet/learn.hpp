@@ -34,6 +34,11 @@ struct Learnable {
   // start at 0, or have another sign, the field is added. Bounds of all values hold for each coefficient: a field stays
   // between its least and greatest one. Start velocities have a field for each axis. Not together with `together`.
   int field_degree = -1;
+  // [value] How far off the value at the start may be as a guess: the standard deviation of its logarithm where it is
+  // searched by that, else as a share of it. In these units LearnOptions::guess_weight draws values to the guess; 1 is
+  // its weight beside observations whose weights are 1/s^2. 0: not known, in the unit of the value itself; empty: of
+  // all. See GuessedValues.
+  std::vector<double> guess_widths{};
 };
 
 // "spring.stiffness", "viscosity.damping", "element.spring.stiffness", "element.viscosity.damping", "neuron.drag",
@@ -95,6 +100,7 @@ enum class Optimiser : std::uint8_t {
 // How the weight of the guess is found; see LearnedNet::guess_curve.
 enum class GuessRule : std::uint8_t {
   given,        // LearnOptions::guess_weight
+  widths,       // 1 where Learnable::guess_widths and weights that differ from 1, so of 1/s^2, can be compared; else 0
   discrepancy,  // the greatest with which differences are within the standard deviations, all weights being 1/s^2
   l_curve       // where smaller ones move values away from the guess without getting nearer to the observations
 };
@@ -273,6 +279,10 @@ class SPRINGNET_API OnlineLearner {
                                                   const std::vector<Learnable>& learnables,
                                                   const LearnOptions& options = {});
 
+// The values of the network that are learned, in the order of MotionDerivatives.
+[[nodiscard]] SPRINGNET_API Eigen::VectorXd values_in(const std::shared_ptr<const Network>& network,
+                                                      const std::shared_ptr<const PluginHost>& plugins,
+                                                      const std::vector<Learnable>& learnables);
 // The network with values that were learned.
 [[nodiscard]] SPRINGNET_API Network with_values(const std::shared_ptr<const Network>& network,
                                                 const std::shared_ptr<const PluginHost>& plugins,
