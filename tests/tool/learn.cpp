@@ -333,6 +333,42 @@ TEST_CASE("learn takes the weight of the guess from a rule, and judges by what i
   CHECK(has(twice.err, "a second time"));
 }
 
+TEST_CASE("learn corrects the rules whose words a scene has") {
+  const TemporaryFolder folder;
+  std::string words = bar(250, 1), real = words;
+  const std::string spring = "spring = { type = \"linear\", stiffness = " + std::to_string(250.0) + " }";
+  words.replace(words.find(spring), spring.size(), "spring = { type = \"linear\", stiffness = \"firm\" }");
+  real.replace(real.find(spring), spring.size(), "spring = { type = \"linear\", stiffness = 2500.0 }");
+  folder.write("real.toml", real);
+  folder.write("words.toml", words);
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  const std::string learn =
+      "learn words.toml --observations seen/trajectory.csv --parameters spring.stiffness:together";
+  const Answer answer = testing::springnet(folder, learn + " --correct-rules -o out");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  CHECK(has(answer.out, "body.0.spring.stiffness from 'firm': guessed "));
+  CHECK(has(answer.out, "learned 2500"));
+  folder.write("learned.fcl", testing::read_text(folder.path() / "out/learned.fcl"));
+  const auto guess = [&](const std::string& scene) {
+    folder.write("own.toml", scene);
+    const Answer inspected = testing::springnet(folder, "inspect own.toml --json");
+    REQUIRE(inspected.status == 0);
+    return nlohmann::json::parse(inspected.out)["guesses"][0]["value"].get<double>();
+  };
+  const double before = guess(words), after = guess("rules = \"learned.fcl\"\n" + words);
+  // One body alone moves a term by most of the way, not by all of it.
+  CHECK(std::abs(std::log(before / 2500.0)) > 1.0);
+  CHECK(std::abs(std::log(after / 2500.0)) < 0.3 * std::abs(std::log(before / 2500.0)));
+  CHECK(has(testing::read_text(folder.path() / "learned.fcl"), "// Sources:"));
+
+  const Answer without = testing::springnet(folder,
+                                            "learn real.toml --observations seen/trajectory.csv --parameters "
+                                            "spring.stiffness:together --correct-rules -o none");
+  CHECK(without.status == 2);
+  CHECK(has(without.err, "--correct-rules"));
+}
+
 TEST_CASE("learn refuses observations and selections with what is wrong, and where") {
   const TemporaryFolder folder;
   folder.write("bar.toml", bar(250, 1));
