@@ -184,12 +184,6 @@ ElementIndex Network::add_checked(Invariant invariant, std::vector<NodeIndex> no
   return static_cast<ElementIndex>(elements_.size() - 1);
 }
 
-void Network::set_element_material(ElementIndex element, MaterialIndex material) {
-  if (element >= elements_.size()) fail(fmt::format("there is no element {}, only {}", element, elements_.size()));
-  check_material(material);
-  elements_[element].material = material;
-}
-
 void Network::set_reference(ElementIndex element, double reference) {
   if (element >= elements_.size()) fail(fmt::format("there is no element {}, only {}", element, elements_.size()));
   if (reads_several(elements_[element].invariant)) {

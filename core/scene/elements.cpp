@@ -240,6 +240,9 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   const NodeLists elements =
       lists ? read_lists(*lists, table, network) : find_elements(*selection, invariant, network, shapes);
   const MaterialIndex index = network.add_material(material);
+  ElementValues values;
+  const auto table_of_values = table.find("values");
+  if (table_of_values) values = read_element_values(*table_of_values, plugins, files, elements.size(), index, network);
   const auto first = static_cast<ElementIndex>(network.elements().size());
   const std::vector<Value> places = lists ? lists->elements() : std::vector<Value>();
   const std::vector<double> references =
@@ -249,15 +252,22 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const Value& place = lists ? places[k] : *selection;
     const auto number = static_cast<ElementIndex>(network.elements().size());
+    const MaterialIndex own_material = table_of_values ? values.materials[k] : index;
+    const std::optional<double> own_reference = table_of_values ? values.references[k] : std::nullopt;
+    if (several && own_reference)
+      table_of_values->fail(
+          fmt::format("column '{}' has no meaning for a {}, which has a reference value for each scalar",
+                      reference_column, name_of(invariant)));
     place.at_this_place([&] {
       if (several) {
-        add_several(network, invariant, elements[k], index, factor, own[2] ? own[2]->element(k).vector() : along,
+        add_several(network, invariant, elements[k], own_material, factor, own[2] ? own[2]->element(k).vector() : along,
                     own[1] ? own[1]->element(k).elements(elements[k].size()) : std::vector<Value>());
         return;
       }
+      const std::optional<double> listed = own[0] ? std::optional<double>(references[k]) : given;
       const ElementIndex element =
-          network.add_element(invariant, elements[k], index, own[0] ? std::optional<double>(references[k]) : given);
-      if (scale) network.set_reference(element, factor * network.elements()[element].reference);
+          network.add_element(invariant, elements[k], own_material, own_reference ? own_reference : listed);
+      if (scale && !own_reference) network.set_reference(element, factor * network.elements()[element].reference);
     });
     check(place, network, number);
   }
@@ -273,8 +283,6 @@ void read_element(const Table& table, const PluginHost& plugins, const Files& fi
           first, parts));
     }
   }
-  if (const auto values = table.find("values"))
-    read_element_values(*values, plugins, files, first, static_cast<ElementIndex>(elements.size()), network);
   scene.elements.push_back({name ? name->text() : "", first, static_cast<ElementIndex>(elements.size())});
 }
 

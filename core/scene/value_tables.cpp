@@ -186,19 +186,18 @@ void read_spring_values(const Value& file, const PluginHost& plugins, const File
   ValueReader(file, plugins, network, springs).read(files);
 }
 
-void read_element_values(const Value& file, const PluginHost& plugins, const Files& files, ElementIndex first,
-                         ElementIndex count, Network& network) {
-  const Owners elements{
-      element_column,
-      "this table",
-      reference_column,
-      count,
-      [&](std::size_t k) { return network.elements()[first + k].material; },
-      [&](std::size_t k, MaterialIndex own) {
-        network.set_element_material(first + static_cast<ElementIndex>(k), own);
-      },
-      [&](std::size_t k, double value) { network.set_reference(first + static_cast<ElementIndex>(k), value); }};
+ElementValues read_element_values(const Value& file, const PluginHost& plugins, const Files& files, std::size_t count,
+                                  MaterialIndex material, Network& network) {
+  ElementValues result{std::vector<MaterialIndex>(count, material), std::vector<std::optional<double>>(count)};
+  const Owners elements{element_column,
+                        "this table",
+                        reference_column,
+                        count,
+                        [&](std::size_t k) { return result.materials[k]; },
+                        [&](std::size_t k, MaterialIndex own) { result.materials[k] = own; },
+                        [&](std::size_t k, double value) { result.references[k] = value; }};
   ValueReader(file, plugins, network, elements).read(files);
+  return result;
 }
 
 }  // namespace springnet::scene

@@ -1,6 +1,10 @@
 // Values of springs or elements in a CSV file, a row for each of them.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <vector>
+
 #include <springnet/network.hpp>
 #include <springnet/plugin_host.hpp>
 
@@ -21,8 +25,12 @@ inline constexpr const char* viscosity_function_prefix = "viscosity.";
 // `file`, with the line, for a number that does not exist or is there twice, a column of nothing, a value out of
 // bounds.
 void read_spring_values(const Value& file, const PluginHost& plugins, const Files& files, Network& network);
-// Rows name elements by their place among `count` from `first` on.
-void read_element_values(const Value& file, const PluginHost& plugins, const Files& files, ElementIndex first,
-                         ElementIndex count, Network& network);
+// Of `count` elements that are to be added with this material, by their place among them.
+struct ElementValues {
+  std::vector<MaterialIndex> materials;           // [element]
+  std::vector<std::optional<double>> references;  // [element]; none: as it would be
+};
+[[nodiscard]] ElementValues read_element_values(const Value& file, const PluginHost& plugins, const Files& files,
+                                                std::size_t count, MaterialIndex material, Network& network);
 
 }  // namespace springnet::scene

@@ -366,7 +366,6 @@ class Network {
   SPRINGNET_API void move_nodes(const std::vector<Vector3>& positions);
   SPRINGNET_API void set_spring_material(SpringIndex spring, MaterialIndex material);
   SPRINGNET_API void set_rest_length(SpringIndex spring, double rest_length);
-  SPRINGNET_API void set_element_material(ElementIndex element, MaterialIndex material);
   // Not of elements whose laws read several scalars.
   SPRINGNET_API void set_reference(ElementIndex element, double reference);
   // Of those: positions of the nodes at rest, and the direction of the material there, as in add_element.
