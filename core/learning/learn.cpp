@@ -73,13 +73,13 @@ LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
   options.guess_rule = GuessRule::given;
   options.guess_weight = have_widths && can_compare ? 1.0 : 0.0;
   LearnedNet result = learn(experiments, plugins, learnables, options);
-  if (have_widths)
-    result.notes.push_back(can_compare
+  const char* const note = can_compare
                                ? "First guesses hold values by their widths, beside the standard deviations of the "
                                  "observations (weight 1)."
                                : "First guesses have widths, but the observations no standard deviations to compare "
                                  "them with: the guesses hold nothing (weight 0). Give the tables columns 's', or "
-                                 "choose the weight by the L-curve.");
+                                 "choose the weight by the L-curve.";
+  if (have_widths) result.notes.emplace_back(note);
   return result;
 }
 
@@ -194,7 +194,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
 VectorXd values_in(const std::shared_ptr<const Network>& network, const std::shared_ptr<const PluginHost>& plugins,
                    const std::vector<Learnable>& learnables) {
   learning::LearnedSets sets(*network, learning::values_of(learnables));
-  Engine engine(network, plugins, {});
+  Engine engine(*network, *plugins, {});
   sets.attach(engine);
   return sets.values_of(engine);
 }

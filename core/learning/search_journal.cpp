@@ -69,6 +69,7 @@ std::string text_of(const std::vector<Learnable>& learnables) {
     digest.add(each.lower);
     digest.add(each.upper);
     digest.add(each.field_degree);
+    digest.add(each.by_logarithm);
     digest.add(each.guess_widths.size());
     for (const double width : each.guess_widths) digest.add(width);
     names += fmt::format("{}{}{}{} of {}", names.empty() ? "" : ", ", each.values.of_elements ? "element." : "",

@@ -128,7 +128,7 @@ class Variables::Builder {
                   fmt::format("learning: the search starts at {:g}, which is not within {:g} and {:g}; "
                               "give the network another value, or other bounds",
                               own(value), link.lower, link.upper));
-    link.is_logarithmic = bounds.excludes_lower && link.lower >= 0.0 && own(value) > 0.0;
+    link.is_logarithmic = (bounds.excludes_lower || what.by_logarithm) && link.lower >= 0.0 && own(value) > 0.0;
   }
 
   void set_widths(const Learnable& what, std::size_t count) {

@@ -73,6 +73,7 @@ void GuessedValues::set_widths(std::vector<Learnable>& learnables) const {
     for (std::size_t g = 0; g < guesses_.size(); ++g) {
       const VectorXd width = relative_width(guesses_[g]) * own.col(static_cast<Index>(g));
       square += static_cast<double>((width.array() != 0.0).count()) * width.cwiseAbs2();
+      each.by_logarithm = each.by_logarithm || (guesses_[g].is_logarithmic && !width.isZero(0.0));
     }
     if (!(square.maxCoeff() > 0.0)) continue;
     each.guess_widths.resize(static_cast<std::size_t>(count));

@@ -68,7 +68,7 @@ void write_output(const Scene& scene, const WrittenElements& elements, Document&
 namespace scene {
 namespace {
 
-std::string text_of(const Scene& scene, const PluginHost& plugins, ValueFiles& values) {
+std::string text_of_scene(const Scene& scene, const PluginHost& plugins, ValueFiles& values) {
   const Network& network = scene.network;
   if (network.nodes().empty()) throw Error(ErrorKind::input, "a scene needs a network with nodes; this one has none");
   Document out;
@@ -99,12 +99,12 @@ std::string text_of(const Scene& scene, const PluginHost& plugins, ValueFiles& v
 
 std::string to_scene(const Scene& scene, const PluginHost& plugins) {
   scene::ValueFiles none(scene.network);
-  return scene::text_of(scene, plugins, none);
+  return scene::text_of_scene(scene, plugins, none);
 }
 
 SceneWithTables to_scene_with_tables(const Scene& scene, const PluginHost& plugins, const std::string& stem) {
   scene::ValueFiles values(scene.network, plugins, stem);
-  std::string text = scene::text_of(scene, plugins, values);
+  std::string text = scene::text_of_scene(scene, plugins, values);
   return {std::move(text), std::move(values.files())};
 }
 

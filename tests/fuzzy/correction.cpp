@@ -60,7 +60,10 @@ bool refuses(const RuleBase& base, const std::vector<Example>& examples, const C
   try {
     static_cast<void>(correct(base, examples, options));
   } catch (const Error& error) {
-    return error.kind() == ErrorKind::input && std::string(error.what()).find(fact) != std::string::npos;
+    const std::string what = error.what();
+    CAPTURE(what);
+    CHECK(what.find(fact) != std::string::npos);
+    return error.kind() == ErrorKind::input;
   }
   return false;
 }
@@ -118,8 +121,9 @@ TEST_CASE("terms of each shape keep their form, and come to the values") {
     CorrectionOptions options;
     options.spread = 0.0;
     const Correction found = correct(base, examples, options);
-    // What is not known, 0.5 of a width or more, is far above the deviation of the value.
-    CHECK(guess(found.base, 0.1) == doctest::Approx(start + 0.2).epsilon(1e-6));
+    // What is not known, 0.5 of a width or more, is far above the deviation of the value. Sums over cells have kinks,
+    // at which a search may stop.
+    CHECK(std::abs(guess(found.base, 0.1) - start - 0.2) < examples[0].deviation);
     check(found.base);
     const std::vector<double>&before = each.term.numbers, &after = found.base.outputs[0].terms[0].numbers;
     REQUIRE(found.changes.size() == 1);
@@ -264,5 +268,5 @@ TEST_CASE("what cannot be corrected is refused") {
   Example other = example(0.0, 1.0);
   other.output = 3;
   CHECK(refuses(base, {other}, {}, "output 3"));
-  CHECK(refuses(base_of(symmetric, Method::leftmost_maximum), {example(0.0, 1.0)}, {}, "maximum"));
+  CHECK(refuses(base_of(symmetric, Method::leftmost_maximum), {example(0.0, 1.0)}, {}, "METHOD LM"));
 }

@@ -242,6 +242,10 @@ body = "chain"
 nodes = [[0, 1, 2]]
 spring = { type = "linear", stiffness = 0.1 }
 reference = 3.0
+values = "element_values.csv"
+
+[[spring]]
+values = "spring_values.csv"
 
 [[fix]]
 select = { group = ["left", "right"] }

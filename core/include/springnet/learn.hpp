@@ -34,6 +34,8 @@ struct Learnable {
   // start at 0, or have another sign, the field is added. Bounds of all values hold for each coefficient: a field stays
   // between its least and greatest one. Start velocities have a field for each axis. Not together with `together`.
   int field_degree = -1;
+  // Searched by their logarithm also where they may be 0; those that start above it.
+  bool by_logarithm = false;
   // [value] How far off the value at the start may be as a guess: the standard deviation of its logarithm where it is
   // searched by that, else as a share of it. In these units LearnOptions::guess_weight draws values to the guess; 1 is
   // its weight beside observations whose weights are 1/s^2. 0: not known, in the unit of the value itself; empty: of
