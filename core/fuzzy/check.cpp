@@ -7,6 +7,7 @@
 #include <springnet/printable.hpp>
 
 #include "fuzzy/condition.hpp"
+#include "fuzzy/functions.hpp"
 #include "fuzzy/names.hpp"
 #include "fuzzy/problems.hpp"
 
@@ -111,6 +112,7 @@ void check(const RuleBase& base) {
     const std::string where = fmt::format("output '{}'", output.name);
     check_variable(where, output, base.inputs.size());
     if (output.terms.empty()) fail(where, "has no terms");
+    if (is_mamdani(output.method) && !output.has_range) fail(where, "has no range to integrate over; set has_range");
     for (const Term& term : output.terms)
       if (const std::string problem = problem_of_output_term(term, output.method); !problem.empty())
         fail(fmt::format("{}: term '{}'", where, term.name), problem);

@@ -21,6 +21,12 @@ struct Drawn {
 [[nodiscard]] std::vector<Drawn> conclusions_of(const RuleBase& base, const Inputs& inputs,
                                                 const Conditions& conditions, std::size_t output);
 
+// The number for an output by its conclusions. DEFAULT, or nothing without one, if they conclude nothing.
+[[nodiscard]] std::optional<Guess> guess_of(const Output& output, const std::vector<Drawn>& conclusions,
+                                            const Conditions& conditions, const Inputs& inputs);
+// Of a rule base that is checked.
+[[nodiscard]] std::optional<Guess> guess_of_term(const Output& output, std::size_t term);
+
 // Value and width of a guess, with their derivatives by numbers of which it is made.
 struct Weights {
   double value = 0.0, width = 0.0;

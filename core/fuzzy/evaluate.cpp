@@ -22,31 +22,6 @@ std::vector<double> numbers_of(const Output& output, const std::vector<Drawn>& c
   return numbers;
 }
 
-std::optional<Guess> guess(const Output& output, const std::vector<Drawn>& conclusions, const Inputs& inputs) {
-  Guess result;
-  result.activations.resize(output.terms.size());
-  for (const Drawn& each : conclusions)
-    result.activations[each.term] = std::max(result.activations[each.term], each.strength.value);
-  std::optional<Weights> weights;
-  if (!is_mamdani(output.method)) {
-    const std::vector<double> strengths = strengths_of(conclusions);
-    if (std::any_of(strengths.begin(), strengths.end(), [](double w) { return w > 0.0; }))
-      weights = weighted(output.method, strengths, numbers_of(output, conclusions, inputs));
-  } else if (!conclusions.empty()) {
-    const FuzzySet set(output, conclusions);
-    if (!set.is_empty()) weights = set.defuzzify();
-  }
-  if (weights) {
-    result.value = weights->value;
-    result.width = weights->width;
-    return result;
-  }
-  if (!output.otherwise) return std::nullopt;
-  result.value = *output.otherwise;
-  result.is_otherwise = true;
-  return result;
-}
-
 // Derivatives of one number, by strengths of conclusions, degrees of inputs' terms, and numbers of the output's terms.
 struct Backwards {
   std::vector<double> by_strength;
@@ -108,12 +83,42 @@ std::vector<double> finish(const RuleBase& base, const Inputs& inputs, const Con
 
 }  // namespace
 
+std::optional<Guess> guess_of(const Output& output, const std::vector<Drawn>& conclusions, const Conditions& conditions,
+                              const Inputs& inputs) {
+  Guess result;
+  result.activations.resize(output.terms.size());
+  for (const Drawn& each : conclusions)
+    result.activations[each.term] = std::max(result.activations[each.term], each.strength.value);
+  std::optional<Weights> weights;
+  if (!is_mamdani(output.method)) {
+    const std::vector<double> strengths = strengths_of(conclusions);
+    if (std::any_of(strengths.begin(), strengths.end(), [](double w) { return w > 0.0; }))
+      weights = weighted(output.method, strengths, numbers_of(output, conclusions, inputs));
+  } else if (!conclusions.empty()) {
+    const FuzzySet set(output, conclusions);
+    if (!set.is_empty()) weights = set.defuzzify();
+  }
+  if (weights) {
+    result.value = weights->value;
+    result.width = weights->width;
+    for (std::size_t i = 0; i < conclusions.size(); ++i)
+      if (i == 0 || conclusions[i].rule != conclusions[i - 1].rule)
+        result.rules.push_back(conditions.rules()[conclusions[i].rule]);
+    return result;
+  }
+  if (!output.otherwise) return std::nullopt;
+  result.value = *output.otherwise;
+  result.is_otherwise = true;
+  return result;
+}
+
 Evaluation evaluate(const RuleBase& base, const Inputs& inputs) {
   check(base);
   const Conditions conditions(base, inputs);
   Evaluation result{conditions.degrees(), conditions.rules(), {}};
   for (std::size_t output = 0; output < base.outputs.size(); ++output)
-    result.outputs.push_back(guess(base.outputs[output], conclusions_of(base, inputs, conditions, output), inputs));
+    result.outputs.push_back(
+        guess_of(base.outputs[output], conclusions_of(base, inputs, conditions, output), conditions, inputs));
   return result;
 }
 

@@ -46,7 +46,10 @@ double centre_of(const Variable& variable, const Term& term) {
 
 std::optional<Guess> guess_of_term(const RuleBase& base, std::size_t output, std::size_t term) {
   check(base);
-  const Output& own = base.outputs.at(output);
+  return guess_of_term(base.outputs.at(output), term);
+}
+
+std::optional<Guess> guess_of_term(const Output& own, std::size_t term) {
   const Term& words = own.terms.at(term);
   Guess guess;
   guess.activations.resize(own.terms.size());

@@ -71,8 +71,9 @@ std::string problem_of(double number) {
   constexpr double smallest = 1e-100, largest = 1e100;
   const double size = std::abs(number);
   if (number == 0.0 || (size >= smallest && size <= largest)) return {};
-  return fmt::format("{} is no number of a rule base; it must be 0, or of a size from {} to {}", number, smallest,
-                     largest);
+  if (!std::isfinite(number)) return fmt::format("must be a finite number, is {}", number);
+  return fmt::format("{} is too {} to compute with; a number must be 0, or from {} to {} without its sign", number,
+                     size < smallest ? "small" : "large", smallest, largest);
 }
 
 std::string problem_of_range(double smallest, double largest) {
@@ -94,7 +95,7 @@ std::string problem_of(const Term& term, std::size_t inputs) {
   if (std::string problem = wrong_count(term, inputs); !problem.empty()) return problem;
   for (const double number : term.numbers)
     if (const std::string problem = problem_of(number); !problem.empty())
-      return "has a number that is none: " + problem;
+      return "has a number out of bounds: " + problem;
   return wrong_order(term);
 }
 

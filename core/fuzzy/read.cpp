@@ -142,7 +142,7 @@ void Reader::read_variables(bool are_outputs) {
         base_.outputs.emplace_back().name = text;
         accumulation_.emplace_back();
       } else {
-        base_.inputs.emplace_back().name = text;
+        base_.inputs.push_back({.name = text, .terms = {}, .has_range = false});
       }
     } while (take(","));
     expect(":", "the name of a variable");
@@ -172,11 +172,11 @@ void Reader::read_fuzzify() {
     scanner_.fail(name, fmt::format("{} is not an input; {}", shown(name), remedy(name.text, names_of(base_.inputs))));
   if (!seen_.insert(name.text).second)
     scanner_.fail(name, fmt::format("input {} has a FUZZIFY block already; write all of its terms there", shown(name)));
-  bool has_range = false;
+  found->has_range = false;
   while (!take("END_FUZZIFY")) {
     if (take("RANGE")) {
       read_range(*found);
-      has_range = true;
+      found->has_range = true;
     } else if (take("TERM")) {
       const Token term = scanner_.peek();
       read_term(*found);
@@ -186,7 +186,7 @@ void Reader::read_fuzzify() {
       fail_unexpected("TERM, RANGE or END_FUZZIFY");
     }
   }
-  if (!has_range) span_terms(*found);
+  if (!found->has_range) span_terms(*found);
 }
 
 void Reader::read_defuzzify() {
@@ -199,12 +199,12 @@ void Reader::read_defuzzify() {
   if (!seen_.insert(name.text).second)
     scanner_.fail(name,
                   fmt::format("output {} has a DEFUZZIFY block already; write all of its terms there", shown(name)));
-  bool has_range = false;
+  found->has_range = false;
   std::vector<Token> terms;
   while (!take("END_DEFUZZIFY")) {
     if (take("RANGE")) {
       read_range(*found);
-      has_range = true;
+      found->has_range = true;
     } else if (take("TERM")) {
       terms.push_back(scanner_.peek());
       read_term(*found);
@@ -224,7 +224,7 @@ void Reader::read_defuzzify() {
   for (std::size_t i = 0; i < terms.size(); ++i)
     if (const std::string problem = problem_of_output_term(found->terms[i], found->method); !problem.empty())
       scanner_.fail(terms[i], fmt::format("term {} {}", shown(terms[i]), problem));
-  if (has_range) return;
+  if (found->has_range) return;
   if (is_mamdani(found->method))
     scanner_.fail(name, fmt::format("output {} has no range to integrate over; write RANGE := (a .. b);", shown(name)));
   span_terms(*found);

@@ -58,7 +58,7 @@ void write_variables(Text out, std::string_view word, const std::vector<std::str
 }
 
 void write_terms(Text out, const Variable& variable) {
-  fmt::format_to(out, "  RANGE := ({} .. {});\n", variable.smallest, variable.largest);
+  if (variable.has_range) fmt::format_to(out, "  RANGE := ({} .. {});\n", variable.smallest, variable.largest);
   for (const Term& term : variable.terms) fmt::format_to(out, "  TERM {} := {};\n", term.name, text_of(term));
 }
 

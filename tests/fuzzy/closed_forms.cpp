@@ -1,6 +1,11 @@
 // Values, widths and what explains them, against forms worked out by hand.
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -144,12 +149,99 @@ TEST_CASE("hedges, brackets and NOT") {
   CHECK(activation("NOT NOT (x IS high AND z IS low)") == is(0.1));
 }
 
+TEST_CASE("of inputs that are not known, conditions hold as far as they do whatever these are") {
+  const auto activation = [](const std::string& condition, const Inputs& at) {
+    const RuleBase base = base_of("RANGE := (0 .. 1); TERM a := Triangle 0 0.5 1; METHOD : COG;",
+                                  "AND : MIN; OR : MAX; RULE 1 : IF " + condition + " THEN y IS a;");
+    return evaluate(base, at).rules[0].activation;
+  };
+  const Inputs x_alone{0.75, {}}, nothing{{}, {}};  // x is low to 0.25
+  CHECK(activation("NOT (x IS low OR z IS low)", nothing) == 0.0);
+  CHECK(activation("NOT (x IS low OR z IS low)", x_alone) == 0.0);
+  CHECK(activation("NOT (x IS low AND z IS low)", nothing) == 0.0);
+  CHECK(activation("NOT (x IS low AND z IS low)", x_alone) == 0.75);
+  CHECK(activation("NOT (NOT (x IS low AND z IS low) AND x IS high)", nothing) == 0.0);
+  CHECK(activation("NOT (x IS high AND NOT (z IS low OR x IS low))", x_alone) == 0.25);
+  CHECK(activation("x IS low OR z IS very not low", x_alone) == 0.25);
+  CHECK(activation("NOT (x IS any AND z IS any)", nothing) == 0.0);
+  CHECK(activation("NOT (x IS low AND z IS not any)", nothing) == 1.0);
+}
+
+TEST_CASE("De Morgan's laws hold for each pair of dual norms, for known and unknown inputs") {
+  const struct {
+    TNorm conjunction;
+    SNorm disjunction;
+  } pairs[] = {{TNorm::minimum, SNorm::maximum},   {TNorm::product, SNorm::sum},
+               {TNorm::bounded, SNorm::bounded},   {TNorm::bounded, SNorm::normalised},
+               {TNorm::drastic, SNorm::drastic},   {TNorm::einstein, SNorm::einstein},
+               {TNorm::hamacher, SNorm::hamacher}, {TNorm::nilpotent, SNorm::nilpotent}};
+  RuleBase base = base_of("RANGE := (0 .. 1); TERM a := Triangle 0 0.5 1; METHOD : COG;",
+                          "RULE 1 : IF NOT (x IS low OR z IS low) THEN y IS a;"
+                          "RULE 2 : IF NOT x IS low AND NOT z IS low THEN y IS a;"
+                          "RULE 3 : IF NOT (x IS low AND z IS low) THEN y IS a;"
+                          "RULE 4 : IF NOT x IS low OR NOT z IS low THEN y IS a;"
+                          "RULE 5 : IF NOT (x IS low OR NOT (x IS high AND z IS low)) THEN y IS a;"
+                          "RULE 6 : IF NOT x IS low AND (x IS high AND z IS low) THEN y IS a;");
+  const std::optional<double> values[] = {{}, 0.0, 0.125, 0.25, 0.5, 0.875, 1.0};  // of which sums are exact
+  double largest = 0.0, of_unknown = 0.0;
+  for (const auto& [conjunction, disjunction] : pairs) {
+    base.blocks[0].conjunction = conjunction;
+    base.blocks[0].disjunction = disjunction;
+    for (const std::optional<double>& x : values)
+      for (const std::optional<double>& z : values) {
+        const std::vector<RuleActivation> rules = evaluate(base, {x, z}).rules;
+        for (std::size_t i = 0; i < rules.size(); i += 2) {
+          CAPTURE(i);
+          // Some roundings of numbers up to 1.
+          CHECK(std::abs(rules[i].activation - rules[i + 1].activation) <= 1e-15);
+          largest = std::max(largest, rules[i].activation);
+          if (!x || !z) of_unknown = std::max(of_unknown, rules[i].activation);
+          if (!x && !z) CHECK(rules[i].activation == 0.0);
+        }
+      }
+  }
+  CHECK(largest == 1.0);
+  CHECK(of_unknown == 1.0);  // x is high, so that it is not low and z low
+}
+
+TEST_CASE("an evaluator has the numbers of evaluate, and keeps them") {
+  const auto base = std::make_shared<const RuleBase>(base_of(
+      "RANGE := (0 .. 4); TERM a := Triangle 0 1 2; TERM b := Triangle 2 3 4; METHOD : COG;",
+      "RULE 1 : IF x IS low THEN y IS a; RULE 2 : IF z IS low THEN y IS b; RULE 3 : IF x IS high THEN y IS b;"));
+  Evaluator evaluator(base);
+  const Inputs one{0.25, {}}, other{0.25, 0.5};
+  const std::optional<Guess>& first = evaluator.guess(0, one);
+  CHECK(first->value == evaluate(*base, one).outputs[0]->value);
+  CHECK(evaluator.guess(0, other)->value == evaluate(*base, other).outputs[0]->value);
+  CHECK(evaluator.guess(0, other)->value != first->value);
+  CHECK(&evaluator.guess(0, one) == &first);
+  CHECK(evaluator.guess_of_term(0, 1)->value == guess_of_term(*base, 0, 1)->value);
+  CHECK(&evaluator.guess_of_term(0, 1) == &evaluator.guess_of_term(0, 1));
+  CHECK_FALSE(evaluator.guess(0, {{}, {}}));
+  // The rules that apply, and no others.
+  REQUIRE(first->rules.size() == 2);
+  CHECK(first->rules[0].rule == 0);
+  CHECK(first->rules[0].activation == 0.75);
+  CHECK(first->rules[1].rule == 2);
+  CHECK(evaluator.guess_of_term(0, 1)->rules.empty());
+  CHECK_THROWS_WITH_AS(static_cast<void>(evaluator.guess(0, {std::nan(""), {}})),
+                       doctest::Contains("input 'x': must be a finite number"), Error);
+  CHECK_THROWS_AS(static_cast<void>(evaluator.guess(1, one)), std::out_of_range);
+  RuleBase wrong = *base;
+  wrong.outputs[0].terms[0].numbers = {2.0, 1.0, 0.0};
+  CHECK_THROWS_WITH_AS(Evaluator(std::make_shared<const RuleBase>(wrong)), doctest::Contains("output 'y': term 'a'"),
+                       Error);
+}
+
 TEST_CASE("what evaluate refuses") {
   RuleBase base =
       base_of("RANGE := (0 .. 4); TERM a := Triangle 0 1 2; METHOD : COG;", "RULE 1 : IF x IS low THEN y IS a;");
   CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(base, {0.5})), doctest::Contains("1 values for 2 inputs"), Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(base, {0.5, std::nan("")})), doctest::Contains("input 'z'"), Error);
   CHECK_THROWS_WITH_AS(static_cast<void>(gradient_of(base, {0.5, 0.5}, 1)), doctest::Contains("no output 1"), Error);
+  base.outputs[0].has_range = false;
+  CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(base, {0.5, 0.5})), doctest::Contains("'y': has no range"), Error);
+  base.outputs[0].has_range = true;
   base.outputs[0].method = Method::leftmost_maximum;
   CHECK_THROWS_WITH_AS(static_cast<void>(gradient_of(base, {0.5, 0.5}, 0)),
                        doctest::Contains("METHOD LM has no derivatives"), Error);

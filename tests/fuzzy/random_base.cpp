@@ -52,7 +52,7 @@ std::vector<Hedge> RandomBase::hedges(std::size_t most) {
   return result;
 }
 
-std::size_t RandomBase::condition(Rule& rule, const RuleBase& base, std::size_t depth) {
+std::size_t RandomBase::condition(Rule& rule, const RuleBase& base, std::size_t depth, bool with_negations) {
   ConditionNode node;
   if (depth == 0 || one_in(3)) {
     node.proposition.input = below(base.inputs.size());
@@ -61,17 +61,19 @@ std::size_t RandomBase::condition(Rule& rule, const RuleBase& base, std::size_t 
     node.proposition.term = below(base.inputs[node.proposition.input].terms.size());
   } else {
     node.kind = one_in(2) ? ConditionNode::Kind::both : ConditionNode::Kind::either;
-    node.left = condition(rule, base, depth - 1);
-    node.right = condition(rule, base, depth - 1);
+    node.left = condition(rule, base, depth - 1, with_negations);
+    node.right = condition(rule, base, depth - 1, with_negations);
   }
   rule.condition.push_back(node);
+  if (with_negations && node.kind != ConditionNode::Kind::proposition && one_in(3))
+    rule.condition.push_back({ConditionNode::Kind::negation, {}, rule.condition.size() - 1, 0});
   return rule.condition.size() - 1;
 }
 
-Rule RandomBase::rule(const RuleBase& base, std::size_t number) {
+Rule RandomBase::rule(const RuleBase& base, std::size_t number, bool with_negations) {
   Rule result;
   result.name = fmt::format("{}", number);
-  condition(result, base, below(4));
+  condition(result, base, below(4), with_negations);
   for (std::size_t output = 0; output < base.outputs.size(); ++output)
     if (one_in(2) || (output + 1 == base.outputs.size() && result.conclusions.empty()))
       result.conclusions.push_back({output, {}, below(base.outputs[output].terms.size())});
@@ -141,7 +143,7 @@ RuleBase RandomBase::make(bool with_derivatives) {
     block.disjunction = norm<SNorm>(with_derivatives);
     block.activation = norm<TNorm>(with_derivatives);
     const std::size_t rules = 1 + below(6);
-    for (std::size_t r = 0; r < rules; ++r) block.rules.push_back(rule(base, r + 1));
+    for (std::size_t r = 0; r < rules; ++r) block.rules.push_back(rule(base, r + 1, with_derivatives));
   }
   return base;
 }

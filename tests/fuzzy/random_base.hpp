@@ -12,7 +12,8 @@ class RandomBase {
  public:
   explicit RandomBase(unsigned seed) : random_(seed) {}
 
-  // Outputs by Mamdani or Takagi-Sugeno rules. With derivatives: no norm and no method that jumps.
+  // Outputs by Mamdani or Takagi-Sugeno rules. With derivatives: no norm and no method that jumps, and conditions with
+  // negations of more than one proposition, which fuzzylite does not have.
   fuzzy::RuleBase make(bool with_derivatives = false);
   fuzzy::Inputs inputs(const fuzzy::RuleBase& base);
   double uniform(double from, double to) { return std::uniform_real_distribution<double>(from, to)(random_); }
@@ -22,8 +23,8 @@ class RandomBase {
  private:
   fuzzy::Term term(const fuzzy::Variable& variable, std::size_t number);
   std::vector<fuzzy::Hedge> hedges(std::size_t most);
-  std::size_t condition(fuzzy::Rule& rule, const fuzzy::RuleBase& base, std::size_t depth);
-  fuzzy::Rule rule(const fuzzy::RuleBase& base, std::size_t number);
+  std::size_t condition(fuzzy::Rule& rule, const fuzzy::RuleBase& base, std::size_t depth, bool with_negations);
+  fuzzy::Rule rule(const fuzzy::RuleBase& base, std::size_t number, bool with_negations);
   template <class Norm>
   Norm norm(bool with_derivatives);
 

@@ -4,9 +4,12 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <springnet/export.hpp>
@@ -58,8 +61,10 @@ enum class Method {
 
 struct Variable {
   std::string name;
-  double smallest = 0.0, largest = 1.0;  // outputs: what is integrated over; inputs: what is drawn
+  double smallest = 0.0, largest = 1.0;  // outputs: what is integrated over; inputs: what a scene may say
   std::vector<Term> terms;
+  // Without RANGE a file's inputs, and outputs by Takagi and Sugeno, have what their terms span, which bounds nothing.
+  bool has_range = true;
 };
 
 struct Output : Variable {
@@ -125,11 +130,14 @@ struct RuleBase {
 SPRINGNET_API void check(const RuleBase& base);
 // A rule as FCL writes it, without RULE and its name: "if feel is very soft then stiffness is low with 0.5".
 [[nodiscard]] SPRINGNET_API std::string text_of(const RuleBase& base, const Rule& rule);
+// Whether the rule's condition is about the input; whether it concludes the output.
+[[nodiscard]] SPRINGNET_API bool reads(const Rule& rule, std::size_t input);
+[[nodiscard]] SPRINGNET_API bool concludes(const Rule& rule, std::size_t output);
 
 // What a rule gives for the inputs.
 struct RuleActivation {
   std::size_t block = 0, rule = 0;
-  double activation = 0.0;  // of the condition, times the weight
+  double activation = 0.0;  // the smallest degree of the condition, times the weight
 };
 
 // A number for an output.
@@ -139,8 +147,9 @@ struct Guess {
   // sqrt(int (y - mean)^2 mu dy / int mu dy). Takagi-Sugeno: of the conclusions z, weighted by activations w,
   // sqrt(sum w (z - mean)^2 / sum w), for the weighted sum times sum w. 0 if no rule applies, and for a single number.
   double width = 0.0;
-  bool is_otherwise = false;        // no rule applied: the value is Output::otherwise
-  std::vector<double> activations;  // of the output's terms: the largest of the rules that conclude it
+  bool is_otherwise = false;          // no rule applied: the value is Output::otherwise
+  std::vector<double> activations;    // of the output's terms: the largest of the rules that conclude it
+  std::vector<RuleActivation> rules;  // that apply and conclude the output
 };
 
 struct Evaluation {
@@ -151,8 +160,9 @@ struct Evaluation {
   std::vector<std::optional<Guess>> outputs;
 };
 
-// Values of the inputs. Nothing is known of one that is not given: no proposition about it holds but "is any", with or
-// without hedges.
+// Values of the inputs. Nothing is known of one that is not given: a proposition about it may have any degree from 0 to
+// 1, and what is known is the smallest and the largest degree of a condition ("not": 1 - largest and 1 - smallest). A
+// rule applies with the smallest. "is any" has the degree 1.
 using Inputs = std::vector<std::optional<double>>;
 
 // Midpoints of this many cells of an output's range are what integrals are summed over, and maxima looked for at.
@@ -160,6 +170,26 @@ inline constexpr std::size_t resolution = 1000;
 
 // Throws Error(input) if the rule base is none (check), or an input is not finite.
 [[nodiscard]] SPRINGNET_API Evaluation evaluate(const RuleBase& base, const Inputs& inputs);
+
+// The same for many inputs: checks the rule base once, computes the outputs that are asked for alone, and keeps each
+// answer. Threads must not share one.
+class SPRINGNET_API Evaluator {
+ public:
+  // Throws Error(input) if the rule base is none (check).
+  explicit Evaluator(std::shared_ptr<const RuleBase> base);
+
+  [[nodiscard]] const std::shared_ptr<const RuleBase>& base() const noexcept { return base_; }
+  // evaluate(base, inputs).outputs[output]; valid as long as the evaluator. Throws Error(input) for an input that is
+  // not finite, and std::out_of_range for an output that there is not.
+  [[nodiscard]] const std::optional<Guess>& guess(std::size_t output, const Inputs& inputs);
+  // guess_of_term(base, output, term), kept likewise.
+  [[nodiscard]] const std::optional<Guess>& guess_of_term(std::size_t output, std::size_t term);
+
+ private:
+  std::shared_ptr<const RuleBase> base_;
+  std::map<std::pair<std::size_t, Inputs>, std::optional<Guess>> guesses_;
+  std::map<std::pair<std::size_t, std::size_t>, std::optional<Guess>> of_terms_;
+};
 
 // Where an input is that is said to be a term: in the middle of where the term's membership is largest, within the
 // range.
