@@ -36,10 +36,11 @@ Node read_prototype(const Table& body, const PluginHost& plugins, const Files& f
   if (mass) {
     node.mass = mass->number_above_0("kg");
   } else if (!body.has("density") && !body.has("masses") && !body.has("mass")) {
+    const auto mesh = body.find("mesh");
+    const bool is_cloud = mesh && mesh->table("body.mesh").has("points");
     neuron.fail(
-        "has no mass; add 'mass' here, in kg, of each node, or to the body 'mass', in kg, of all of it, or 'density', "
-        "in "
-        "kg/m^3, which gives masses from its cells");
+        fmt::format("has no mass; add 'mass' here, in kg, of each node, or to the body 'mass', in kg, of all of it{}",
+                    is_cloud ? "" : ", or 'density', in kg/m^3, which gives masses from its cells"));
   }
   node.neuron = network.add_neuron(use);
   if (const auto velocity = body.find("velocity")) node.velocity = velocity->vector();
@@ -129,6 +130,11 @@ struct BodyReader {
     const Node prototype = read_prototype(body, plugins, files, network);
     if (read.is_cloud && body.has("density"))
       body.find("density")->fail("points have no volume; give the body's 'mass' in kg in its place");
+    if (read.is_cloud && body.has("material") && !body.has("cross_section"))
+      body.need("material")
+          .fail(
+              "a cloud of points has springs, but no cells from which their stiffness follows; add to the body "
+              "'cross_section', in m^2, of each spring, or 'spring' with a stiffness in place of 'material'");
     const std::vector<double> masses = read_masses(body, cells);
     if (const auto elements = read_element_material(body, plugins, files, network)) {
       table.value().at_this_place([&] { add_mesh_body(name, mesh, {}, prototype, masses, {}, network, notes); });

@@ -149,6 +149,14 @@ toml::table parse_document(std::string_view text, std::string_view name, const s
   return root;
 }
 
+toml::value<double> number_at(double number, std::string_view place) {
+  // toml++ gives a node its place when it parses one, and in no other way.
+  toml::table document = toml::parse(std::string_view("value = 0.0"), place);
+  toml::value<double>& value = *document.get_as<double>("value");
+  value = number;
+  return std::move(value);
+}
+
 }  // namespace scene
 
 SceneOverride parse_override(std::string_view text) {

@@ -15,4 +15,7 @@ namespace springnet::scene {
 [[nodiscard]] toml::table parse_document(std::string_view text, std::string_view name,
                                          const std::vector<SceneOverride>& overrides);
 
+// A number that stands in the document for what is at `place` (Value::place()): messages about it name that.
+[[nodiscard]] toml::value<double> number_at(double number, std::string_view place);
+
 }  // namespace springnet::scene

@@ -161,6 +161,10 @@ LawUse use_of(const LawFormula& law, const ParameterValues& values, const Files&
 
 }  // namespace
 
+bool is_key_of_formulas(std::string_view key) {
+  return std::find(own_keys.begin(), own_keys.end(), key) != own_keys.end();
+}
+
 bool is_formula_of(const Table& table) {
   if (table.find_parameter("formula").has_value()) return true;
   if (table.find_parameter("type").has_value()) return false;
@@ -213,7 +217,7 @@ LawUse read_formula(const Table& table, ComponentKind kind, const Files& files, 
   if (const auto summary = table.find_parameter("summary")) law.summary = summary->text();
   ParameterValues values;
   for (const std::string& name : table.keys()) {
-    if (std::find(own_keys.begin(), own_keys.end(), name) != own_keys.end()) continue;
+    if (is_key_of_formulas(name)) continue;
     NumberOfFormula parameter = read_parameter(name, *table.find_parameter(name));
     law.parameters.push_back(std::move(parameter.symbol));
     values.emplace(name, parameter.value);

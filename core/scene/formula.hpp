@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -22,6 +23,8 @@ struct MaterialParameter {
 
 // Whether the table of a law has a formula, or an energy, in place of the name of a law.
 [[nodiscard]] bool is_formula_of(const Table& table);
+// Whether such a table has the key for another purpose than a parameter: "formula", "states".
+[[nodiscard]] bool is_key_of_formulas(std::string_view key);
 // The shape of the elements that a formula over several scalars is for, by the nodes that these have: triangles,
 // tetrahedra, or hinges. Nothing: it reads one value.
 [[nodiscard]] std::optional<Invariant> shape_of_formula(const Table& table);

@@ -317,6 +317,13 @@ std::vector<std::string> keys_in(std::string_view table) {
   return names;
 }
 
+std::vector<KeyForm> keys_named(std::string_view name) {
+  std::vector<KeyForm> found;
+  for (const Key& key : keys)
+    if (key.path.substr(key.path.rfind('.') + 1) == name) found.push_back({key.path, key.form});
+  return found;
+}
+
 }  // namespace scene
 
 const std::vector<std::string>& scene_keys() {

@@ -18,4 +18,10 @@ namespace springnet::scene {
 // Names of the keys directly in a table: those of "simulation" are "duration", "time_step", …; of "", the top level.
 [[nodiscard]] std::vector<std::string> keys_in(std::string_view table);
 
+// All keys of this name with their forms, in whatever table: "body.neuron.type" and others of "type".
+struct KeyForm {
+  std::string_view path, form;
+};
+[[nodiscard]] std::vector<KeyForm> keys_named(std::string_view name);
+
 }  // namespace springnet::scene

@@ -51,12 +51,11 @@ std::string location(const toml::source_region& region, std::string_view documen
 Value::Value(const toml::node& node, std::string path, std::string_view document)
     : node_(&node), path_(std::move(path)), document_(document) {}
 
-void Value::fail(std::string_view what) const { fail_at(location(node_->source(), document_), path_, what); }
+void Value::fail(std::string_view what) const { fail_at(place(), path_, what); }
 
-std::string Value::where() const {
-  const std::string place = location(node_->source(), document_);
-  return path_.empty() ? place : fmt::format("{}: {}", place, path_);
-}
+std::string Value::place() const { return location(node_->source(), document_); }
+
+std::string Value::where() const { return path_.empty() ? place() : fmt::format("{}: {}", place(), path_); }
 
 void Value::wrong_type(std::string_view wanted) const {
   fail(fmt::format("must be {}, is {}", wanted, describe(*node_)));

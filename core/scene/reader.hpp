@@ -26,7 +26,9 @@ class Value {
   [[noreturn]] void fail(std::string_view what) const;
   // "must be <wanted>, is a list"
   [[noreturn]] void wrong_type(std::string_view wanted) const;
-  // "file:line:column: path"
+  // "file:line:column"; of an override "--set key=value"
+  [[nodiscard]] std::string place() const;
+  // The same with the key: "file:line:column: path"
   [[nodiscard]] std::string where() const;
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
 

@@ -67,9 +67,7 @@ void read_simulation(const Table& root, const PluginHost& plugins, const Files& 
 // One note for the same words, however often they are there.
 void note_guesses(const std::vector<SceneGuess>& guesses, std::vector<std::string>& notes) {
   for (const SceneGuess& guess : guesses) {
-    const std::string key = guess.key.substr(guess.key.rfind('.') + 1);
-    std::string note = fmt::format("{} is {}, a first guess from '{}'; 'springnet inspect' shows how it comes about.",
-                                   key, text_of(guess), guess.words);
+    std::string note = note_of(guess);
     if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
   }
 }
@@ -81,7 +79,7 @@ Scene read_scene(std::string_view text, std::string_view name, const PluginHost&
   const Table root = Value(content, "", document).open_table("");
   check_version(root);  // before keys: a newer version may have more of them
   root.check_keys();
-  const std::vector<SceneGuess> guesses = replace_words(content, document, files);
+  const std::vector<SceneGuess> guesses = replace_words(content, document, files, &plugins);
 
   Scene result;
   note_guesses(guesses, result.notes);
@@ -119,10 +117,10 @@ Scene load_scene(const std::filesystem::path& file, const PluginHost& plugins,
 }
 
 std::vector<SceneGuess> find_guesses(const std::filesystem::path& file, const std::vector<SceneOverride>& overrides,
-                                     OutsideFiles outside) {
+                                     OutsideFiles outside, const PluginHost* plugins) {
   const std::string name = file.string();
   toml::table content = scene::parse_document(scene::read_scene_text(file), name, overrides);
-  return scene::replace_words(content, name, {scene::folder_of(file), outside});
+  return scene::replace_words(content, name, {scene::folder_of(file), outside}, plugins);
 }
 
 std::vector<SceneFormula> find_formulas(const std::filesystem::path& file, const PluginHost& plugins,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,51 +13,22 @@ namespace springnet::tool {
 
 namespace {
 
-using fuzzy::RuleBase;
-
-// A rule that concludes the guess's output and applies.
-struct Applied {
-  const fuzzy::RuleBlock* block;
-  const fuzzy::Rule* rule;
-  double activation;
-};
-
-std::vector<Applied> rules_of(const SceneGuess& guess) {
-  std::vector<Applied> applied;
-  if (guess.term) return applied;
-  for (const fuzzy::RuleActivation& each : evaluate(*guess.rules, guess.inputs).rules) {
-    const fuzzy::RuleBlock& block = guess.rules->blocks[each.block];
-    const fuzzy::Rule& rule = block.rules[each.rule];
-    const bool concludes = std::any_of(rule.conclusions.begin(), rule.conclusions.end(),
-                                       [&](const fuzzy::Conclusion& one) { return one.output == guess.output; });
-    if (each.activation > 0.0 && concludes) applied.push_back({&block, &rule, each.activation});
-  }
-  return applied;
+const fuzzy::Rule& rule_of(const SceneGuess& guess, const fuzzy::RuleActivation& applied) {
+  return guess.rules->blocks[applied.block].rules[applied.rule];
 }
 
-std::string rule_name(const Applied& applied) {
-  return applied.block->name.empty() ? applied.rule->name
-                                     : fmt::format("{} {}", applied.block->name, applied.rule->name);
+std::string rule_name(const SceneGuess& guess, const fuzzy::RuleActivation& applied) {
+  const std::string &block = guess.rules->blocks[applied.block].name, &rule = rule_of(guess, applied).name;
+  return block.empty() ? rule : fmt::format("{} {}", block, rule);
+}
+
+// "rule words 4, activation 0.2: if feel is hard then …"
+std::string text_of(const SceneGuess& guess, const fuzzy::RuleActivation& applied) {
+  return fmt::format("rule {}, activation {:.3g}: {}", rule_name(guess, applied), applied.activation,
+                     text_of(*guess.rules, rule_of(guess, applied)));
 }
 
 const fuzzy::Output& output_of(const SceneGuess& guess) { return guess.rules->outputs[guess.output]; }
-
-// Terms of the output with what they count for: 1 for the term that the scene names itself.
-std::vector<std::pair<std::string, double>> terms_of(const SceneGuess& guess) {
-  std::vector<std::pair<std::string, double>> terms;
-  const fuzzy::Output& output = output_of(guess);
-  if (guess.term) {
-    terms.emplace_back(output.terms[*guess.term].name, 1.0);
-    return terms;
-  }
-  const std::optional<fuzzy::Guess> found = evaluate(*guess.rules, guess.inputs).outputs[guess.output];
-  for (std::size_t i = 0; found && i < output.terms.size(); ++i)
-    if (found->activations[i] > 0.0) terms.emplace_back(output.terms[i].name, found->activations[i]);
-  return terms;
-}
-
-// The number that the rules make: the guess's, or its logarithm.
-double defuzzified(const SceneGuess& guess) { return guess.is_logarithmic ? std::log10(guess.value) : guess.value; }
 
 constexpr std::size_t curve_points = 400;
 constexpr double not_drawn = 1e-3;  // memberships below it, where curves would lie on each other
@@ -94,8 +64,8 @@ figure::FigurePanel panel_of(const fuzzy::Variable& variable) {
 
 figure::FigurePanel input_panel(const fuzzy::Variable& input, double value) {
   figure::FigurePanel panel = panel_of(input);
-  for (const fuzzy::Term& term : input.terms)
-    panel.curves.push_back(curve_of(term, {input.smallest, input.largest}, degree_of(term, value)));
+  const Interval range{std::min(input.smallest, value), std::max(input.largest, value)};
+  for (const fuzzy::Term& term : input.terms) panel.curves.push_back(curve_of(term, range, degree_of(term, value)));
   panel.marks.push_back({value, value, fmt::format("{:.3g}", value)});
   return panel;
 }
@@ -135,27 +105,20 @@ figure::FigurePanel output_panel(const SceneGuess& guess) {
   figure::FigurePanel panel = panel_of(output);
   figure::FigureCurve set = set_of(guess);
   const Interval range = shown_range(output, set);
-  const auto counts = terms_of(guess);
-  for (const fuzzy::Term& term : output.terms) {
-    if (!has_degrees(term)) continue;
-    const auto found =
-        std::find_if(counts.begin(), counts.end(), [&](const auto& each) { return each.first == term.name; });
-    panel.curves.push_back(curve_of(term, range, found == counts.end() ? 0.0 : found->second));
-  }
+  for (std::size_t i = 0; i < output.terms.size(); ++i)
+    if (has_degrees(output.terms[i]))
+      panel.curves.push_back(curve_of(output.terms[i], range, guess.number.activations[i]));
   if (!guess.term && !set.y.empty()) panel.curves.push_back(std::move(set));
-  const double value = defuzzified(guess);
+  const double value = guess.number.value;
   if (guess.width > 0.0) panel.marks.push_back({value - guess.width, value + guess.width, "width"});
   panel.marks.push_back({value, value, fmt::format("{:.4g}", value)});
   return panel;
 }
 
 // Whether a rule that applies is about the input.
-bool is_read(const std::vector<Applied>& applied, std::size_t input) {
-  return std::any_of(applied.begin(), applied.end(), [&](const Applied& each) {
-    return std::any_of(each.rule->condition.begin(), each.rule->condition.end(), [&](const fuzzy::ConditionNode& node) {
-      return node.kind == fuzzy::ConditionNode::Kind::proposition && node.proposition.input == input;
-    });
-  });
+bool is_read(const SceneGuess& guess, std::size_t input) {
+  return std::any_of(guess.number.rules.begin(), guess.number.rules.end(),
+                     [&](const fuzzy::RuleActivation& each) { return reads(rule_of(guess, each), input); });
 }
 
 }  // namespace
@@ -167,9 +130,9 @@ std::string guesses_text(const std::vector<SceneGuess>& guesses) {
                         printable(guess.rules_name));
     if (guess.term)
       text += fmt::format("      {} is {}\n", output_of(guess).name, output_of(guess).terms[*guess.term].name);
-    for (const Applied& applied : rules_of(guess))
-      text += fmt::format("      rule {}, activation {:.3g}: {}\n", rule_name(applied), applied.activation,
-                          text_of(*guess.rules, *applied.rule));
+    for (const fuzzy::RuleActivation& applied : guess.number.rules)
+      text += fmt::format("      {}\n", text_of(guess, applied));
+    if (guess.number.is_otherwise) text += "      DEFAULT, because no rule applies\n";
   }
   return text.empty() ? text : "\nFirst guesses from words:\n" + text;
 }
@@ -178,14 +141,17 @@ nlohmann::ordered_json guesses_json(const std::vector<SceneGuess>& guesses) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const SceneGuess& guess : guesses) {
     nlohmann::ordered_json terms = nlohmann::ordered_json::object(), rules = nlohmann::ordered_json::array();
-    for (const auto& [name, activation] : terms_of(guess)) terms[name] = activation;
-    for (const Applied& applied : rules_of(guess))
-      rules.push_back({{"rule", rule_name(applied)},
+    const std::vector<double>& activations = guess.number.activations;
+    for (std::size_t i = 0; i < activations.size(); ++i)
+      if (activations[i] > 0.0) terms[output_of(guess).terms[i].name] = activations[i];
+    for (const fuzzy::RuleActivation& applied : guess.number.rules)
+      rules.push_back({{"rule", rule_name(guess, applied)},
                        {"activation", applied.activation},
-                       {"text", text_of(*guess.rules, *applied.rule)}});
+                       {"text", text_of(*guess.rules, rule_of(guess, applied))}});
     all.push_back({{"key", guess.key},
                    {"words", guess.words},
                    {"value", guess.value},
+                   {"unit", guess.unit},
                    {"width", guess.width},
                    {"width_is_of", guess.is_logarithmic ? "decimal logarithm" : "value"},
                    {"rule_base", guess.rules_name},
@@ -202,12 +168,9 @@ std::vector<figure::Figure> guess_figures(const std::vector<SceneGuess>& guesses
     figure::Figure drawn;
     drawn.title = guess.key;
     drawn.notes = {fmt::format("'{}' stands for {}", guess.words, text_of(guess))};
-    const std::vector<Applied> rules = rules_of(guess);
-    for (const Applied& applied : rules)
-      drawn.notes.push_back(fmt::format("rule {}, activation {:.3g}: {}", rule_name(applied), applied.activation,
-                                        text_of(*guess.rules, *applied.rule)));
+    for (const fuzzy::RuleActivation& applied : guess.number.rules) drawn.notes.push_back(text_of(guess, applied));
     for (std::size_t i = 0; i < guess.inputs.size(); ++i)
-      if (guess.inputs[i] && is_read(rules, i))
+      if (guess.inputs[i] && is_read(guess, i))
         drawn.panels.push_back(input_panel(guess.rules->inputs[i], *guess.inputs[i]));
     figure::FigurePanel result = output_panel(guess);
     if (!result.curves.empty()) drawn.panels.push_back(std::move(result));

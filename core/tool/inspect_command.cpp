@@ -269,13 +269,20 @@ InspectionOptions options_of(const Scene& scene, const PluginHost& plugins) {
   return options;
 }
 
-std::vector<SceneGuess> guesses_of(const SceneArguments& arguments) {
+std::vector<SceneGuess> guesses_of(const SceneArguments& arguments, const PluginHost& plugins) {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(arguments.file, unknown)) return {};  // a pipe is read once
   std::vector<SceneOverride> overrides;
   for (const std::string& set : arguments.sets) overrides.push_back(parse_override(set));
   return find_guesses(arguments.file, overrides,
-                      arguments.allow_outside ? OutsideFiles::allowed : OutsideFiles::refused);
+                      arguments.allow_outside ? OutsideFiles::allowed : OutsideFiles::refused, &plugins);
+}
+
+// Those of guesses say no more than what is shown of them.
+std::vector<std::string> notes_without(const std::vector<SceneGuess>& guesses, const Scene& scene) {
+  std::vector<std::string> notes = notes_of(scene);
+  for (const SceneGuess& guess : guesses) std::erase(notes, note_of(guess));
+  return notes;
 }
 
 void plot_guesses(const std::vector<SceneGuess>& guesses, const InspectArguments& arguments) {
@@ -307,7 +314,7 @@ int run(const InspectArguments& arguments) {
   }
   const auto host = arguments.scene.plugins.load();
   const Scene scene = arguments.scene.load(*host);
-  const std::vector<SceneGuess> guesses = guesses_of(arguments.scene);
+  const std::vector<SceneGuess> guesses = guesses_of(arguments.scene, *host);
   if (!arguments.plot.empty()) plot_guesses(guesses, arguments);
   const Inspection found = inspect(scene.network, *host, options_of(scene, *host));
   if (arguments.json) {
@@ -320,7 +327,7 @@ int run(const InspectArguments& arguments) {
   fmt::print("{}", printable_message(guesses_text(guesses)));
   print_limits(scene, found);
   print_findings(scene.network, found);
-  for (const std::string& note : notes_of(scene)) fmt::print("note: {}\n", printable_message(note));
+  for (const std::string& note : notes_without(guesses, scene)) fmt::print("note: {}\n", printable_message(note));
   return done;
 }
 
