@@ -45,13 +45,35 @@ TEST_CASE("inspect shows which terms and rules gave which number, and how wide i
                            "= hard, like = liver' by "
                            "soft_tissue.fcl | rule words 4, activation 0.2: if feel is hard then log10_youngs_modulus "
                            "is hard with 0.2 | rule "
-                           "tissues liver, activation 1: if like is liver then | body.0.density = 1079 (+- 20) | "
-                           "body.1.spring.stiffness = | "
+                           "tissues liver, activation 1: if like is liver then | body.0.density = 1079 kg/m^3 (+- 20), "
+                           "from 'like = liver' by | "
+                           "body.1.spring.stiffness = | N/m (to a factor of | "
                            "log10_stiffness is very_soft"));
+  // What is shown is not noted once more, and 'inspect' does not send to itself.
+  CHECK(answer.out.find("springnet inspect") == std::string::npos);
   // A run says so too, in a note.
   const Answer run = testing::springnet(folder, "run organ.toml -o out --duration 0.002");
   CHECK(run.status == 0);
-  CHECK(testing::has_facts(run.out + run.err, "stiffness is | a first guess from 'very soft'"));
+  CHECK(testing::has_facts(run.out + run.err,
+                           "stiffness is | N/m | a first guess from 'very soft'; 'springnet inspect'"));
+}
+
+TEST_CASE("the page's first scene has the guesses that the page shows, and its commands work") {
+  const std::string page = testing::read_text(SPRINGNET_FUZZY_PAGE);
+  const auto block = [&](const std::string& begin) {
+    const std::size_t at = page.find(begin);
+    REQUIRE(at != std::string::npos);
+    const std::size_t text = page.find('\n', at) + 1;
+    return page.substr(text, page.find("```", text) - text);
+  };
+  const TemporaryFolder folder;
+  folder.write("organ.toml", block("```toml\n[simulation]"));
+  const Answer answer = testing::springnet(folder, "inspect organ.toml");
+  REQUIRE(answer.status == 0);
+  CAPTURE(answer.out);
+  CHECK(answer.out.find("\n\n" + block("```\nFirst guesses") + "\n") != std::string::npos);
+  CHECK(testing::springnet(folder, "inspect organ.toml --plot organ.html").status == 0);
+  CHECK(testing::springnet(folder, "inspect organ.toml --json").json().at("guesses").size() == 3);
 }
 
 TEST_CASE("inspect --json has the guesses as numbers") {
@@ -61,6 +83,8 @@ TEST_CASE("inspect --json has the guesses as numbers") {
   REQUIRE(guesses.size() == 3);
   CHECK(guesses[0]["key"] == "body.0.material.youngs_modulus");
   CHECK(guesses[0]["output"] == "log10_youngs_modulus");
+  CHECK(guesses[0]["unit"] == "Pa");
+  CHECK(guesses[2]["unit"] == "N/m");
   CHECK(guesses[0]["width_is_of"] == "decimal logarithm");
   CHECK(guesses[0]["terms"]["liver"] == 1.0);
   CHECK(guesses[0]["terms"]["hard"] == 0.2);
