@@ -36,11 +36,9 @@ Node read_prototype(const Table& body, const PluginHost& plugins, const Files& f
   if (mass) {
     node.mass = mass->number_above_0("kg");
   } else if (!body.has("density") && !body.has("masses") && !body.has("mass")) {
-    const auto mesh = body.find("mesh");
-    const bool is_cloud = mesh && mesh->table("body.mesh").has("points");
     neuron.fail(
         fmt::format("has no mass; add 'mass' here, in kg, of each node, or to the body 'mass', in kg, of all of it{}",
-                    is_cloud ? "" : ", or 'density', in kg/m^3, which gives masses from its cells"));
+                    is_cloud(body) ? "" : ", or 'density', in kg/m^3, which gives masses from its cells"));
   }
   node.neuron = network.add_neuron(use);
   if (const auto velocity = body.find("velocity")) node.velocity = velocity->vector();

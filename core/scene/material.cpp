@@ -87,9 +87,9 @@ void check_poisson_ratio(const Table& table, const std::string& body, const NetS
                         : "An [[element]] on areas adds resistance to changes of area"));
 }
 
-// By the sizes of cells; equal where these are points or lines without a cross section.
-std::vector<double> masses_of_whole(const Mesh& mesh, double whole, const Section& section) {
-  const bool has_size = std::any_of(mesh.types.begin(), mesh.types.end(), [&](CellType type) {
+// By the sizes of cells; equal where these are points or lines without a cross section, and in a cloud.
+std::vector<double> masses_of_whole(const Mesh& mesh, double whole, const Section& section, bool is_cloud) {
+  const bool has_size = !is_cloud && std::any_of(mesh.types.begin(), mesh.types.end(), [&](CellType type) {
     return dimension_of(type) > 1 || (dimension_of(type) == 1 && section.cross_section);
   });
   if (!has_size) return std::vector<double>(mesh.points.size(), whole / static_cast<double>(mesh.points.size()));
@@ -102,12 +102,17 @@ std::vector<double> masses_of_whole(const Mesh& mesh, double whole, const Sectio
 
 }  // namespace
 
+bool is_cloud(const Table& body) {
+  const auto mesh = body.find("mesh");
+  return mesh && mesh->table("body.mesh").has("points");
+}
+
 std::vector<double> read_masses(const Table& body, const Cells& cells) {
   if (const auto mass = body.find("mass")) {
     if (body.has("density"))
       mass->fail("cannot be combined with 'density', which gives the masses; remove one of them");
     const double whole = mass->number_above_0("kg");
-    return mass->at_this_place([&] { return masses_of_whole(cells(), whole, read_section(body)); });
+    return mass->at_this_place([&] { return masses_of_whole(cells(), whole, read_section(body), is_cloud(body)); });
   }
   const auto density = body.find("density");
   if (!density) return {};

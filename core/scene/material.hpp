@@ -17,7 +17,10 @@ namespace springnet::scene {
 // Cells of the body, computed when needed.
 using Cells = std::function<const Mesh&()>;
 
-// Masses of the points by body.density; empty without it.
+// Whether its mesh is a cloud of points, which have no volume.
+[[nodiscard]] bool is_cloud(const Table& body);
+
+// Masses of the points by body.density or body.mass; empty without them. A cloud's are equal.
 [[nodiscard]] std::vector<double> read_masses(const Table& body, const Cells& cells);
 
 // Materials of springs along `edges`: one for all from body.spring and body.viscosity, none if both are missing, or one

@@ -251,7 +251,7 @@ class Words {
     for (auto&& [key, node] : material) {
       if (!is_words(node) || std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
       Value(node, fmt::format("{}.{}", path, printable(key.str())), document_)
-          .fail(fmt::format("unknown key; {}", nearest_or_all(key.str(), known)));
+          .fail(fmt::format("unknown key, and no input of {}; {}", name_, nearest_or_all(key.str(), known)));
     }
   }
 

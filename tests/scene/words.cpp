@@ -194,7 +194,8 @@ TEST_CASE("a word that is none: where, and the nearest ones") {
                  "test.toml:8:21: body.0.material.like: 'livr' | soft_tissue.fcl | 'liver'"));
   CHECK(contains(material("feel = \"squishy\""), "body.0.material.feel: | very soft, soft, firm, hard, very hard"));
   CHECK(contains(material("feel = 7"), "body.0.material.feel: must be from 0 to 4 | is 7"));
-  CHECK(contains(material("fell = \"soft\""), "body.0.material.fell: unknown key; did you mean 'feel'?"));
+  CHECK(contains(material("fell = \"soft\""),
+                 "body.0.material.fell: unknown key | no input of soft_tissue.fcl; did you mean 'feel'?"));
   CHECK(contains(material("wetness = \"watery\""),
                  "body.0.material: wetness = watery says nothing of youngs_modulus | feel, like"));
   const auto stiffness = [](const std::string& text) {
