@@ -172,7 +172,7 @@ std::vector<Event> MotionDerivatives::events() const { return impl_->events; }
 void MotionDerivatives::set_memory(std::size_t bytes) { impl_->trajectory.set_memory(bytes); }
 MotionDerivatives::Kept MotionDerivatives::kept() const noexcept {
   const learning::Trajectory::Use& use = impl_->trajectory.use();
-  return {use.most_states, use.most_saved, use.part, use.places, use.steps_again};
+  return {use.most_states, use.most_saved, use.part, use.places, use.steps_again, use.most_bytes};
 }
 void MotionDerivatives::begin_steps(const VectorXd& values, const MatrixXd& changes) {
   impl_->begin_steps(values, changes);

@@ -64,6 +64,7 @@ class PartRecorder final : public StepWatch {
   // divides: whether steps are divided where events are located.
   PartRecorder(bool divides, std::function<void(const Committed&)> told) : divides_(divides), told_(std::move(told)) {}
 
+  [[nodiscard]] bool divides() const noexcept { return divides_; }
   // Makes a step. told: if steps are divided, the function is called after each commit.
   void step(Simulation& simulation, bool told);
   // The last step had these.

@@ -14,6 +14,7 @@
 #include <springnet/motion_derivatives.hpp>
 
 #include "motion_loss.hpp"
+#include "refusal.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -113,12 +114,7 @@ TEST_CASE("a motion in little memory has the same derivatives, bit by bit, for t
     CHECK(found.at_end.steps_again <= 2 * again + 2 * 647);
   }
   CHECK(places_before <= 3);
-  std::string said;
-  try {
-    static_cast<void>(find(20'000));
-  } catch (const Error& error) {
-    said = error.what();
-  }
+  const std::string said = refusal_of([] { static_cast<void>(find(20'000)); });
   CHECK(said.find("too few for the states of 64 steps in a row") != std::string::npos);
 }
 
@@ -138,4 +134,70 @@ TEST_CASE("states of a motion in little memory are found in any order") {
   }
   CHECK(motion.kept().saved <= motion.kept().places);
   CHECK_THROWS_AS(static_cast<void>(motion.positions(301)), Error);
+}
+
+namespace {
+
+// Balls on soft springs that bounce in turn, with steps that are divided at each touch.
+std::shared_ptr<const Network> bouncing() {
+  Network net;
+  const MaterialIndex soft = net.add_material(damped(2.0, 0.01));
+  constexpr NodeIndex balls = 6;
+  for (NodeIndex k = 0; k < balls; ++k) net.add_node(point({0.5 * k, 0, 0.3 + 0.17 * k}));
+  for (NodeIndex k = 1; k < balls; ++k) net.add_spring(k - 1, k, soft);
+  net.set_gravity({0, 0, -9.81});
+  Plane floor;
+  floor.friction = {Friction::Kind::none, 0.0};
+  floor.restitution = 0.97;
+  net.add_plane(floor);
+  return std::make_shared<const Network>(std::move(net));
+}
+
+struct Bounced {
+  VectorXd gradient;
+  std::size_t touches;
+  MotionDerivatives::Kept kept;
+};
+Bounced bounce_in(std::size_t memory) {
+  SimulationOptions options = method(0.5, newton, 0.02);
+  options.integrator.parameters["events"] = 1.0;
+  const auto net = bouncing();
+  MotionDerivatives motion(
+      net, plugins(), options, 6.0,
+      {{Kind::spring_parameter, false, "stiffness", all(net->springs().size())}, {Kind::mass, false, "", {0, 4}}});
+  motion.set_memory(memory);
+  motion.run(motion.values_of_network());
+  const std::vector<Event> events = motion.events();
+  const auto touches =
+      std::count_if(events.begin(), events.end(), [](const Event& each) { return each.kind == Event::Kind::touched; });
+  const Loss loss(motion.step_count() + 1, net->nodes().size());
+  Bounced result{loss.gradient(motion), static_cast<std::size_t>(touches), {}};
+  CHECK(loss.gradient(motion) == result.gradient);
+  result.kept = motion.kept();
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("states within divided steps count in the memory that a motion is given") {
+  const Bounced all_kept = bounce_in(std::size_t{1} << 30);
+  REQUIRE(all_kept.touches > 40);
+  CHECK(all_kept.kept.places == 0);
+  CHECK(all_kept.kept.steps_again == 0);
+  // Positions and velocities of six nodes.
+  CHECK(all_kept.kept.bytes > (301 + all_kept.touches) * 48 * 6);
+  const std::size_t whole = all_kept.kept.bytes;
+  for (const std::size_t memory : {whole - 1, whole * 3 / 4, whole / 2}) {
+    CAPTURE(memory);
+    const Bounced found = bounce_in(memory);
+    CHECK(found.gradient == all_kept.gradient);
+    CHECK(found.kept.places >= 1);
+    CHECK(found.kept.steps_again > 0);
+    CHECK(found.kept.bytes <= memory);
+  }
+  // Enough for 64 states, and not for what the events in them add.
+  const std::string said = refusal_of([&] { static_cast<void>(bounce_in(whole / 4)); });
+  CAPTURE(said);
+  CHECK(said.find("too few for the states of 64 steps in a row, with events until ") != std::string::npos);
+  CHECK(said.find(" MiB, and more for later events") != std::string::npos);
 }

@@ -75,11 +75,11 @@ class SPRINGNET_API MotionDerivatives {
   // What happened in the last run: cuts, ruptures, contacts.
   [[nodiscard]] std::vector<Event> events() const;
 
-  // Bytes that the states of the runs to come may take [1 GiB], without those at located events. If not all fit, some
-  // are kept together with saved states of the simulation, and the others are made again, with the same bits, where
-  // they are asked for: by adjoint() in the order of binomial checkpoints (revolve), by tangent(), positions() and
-  // velocities() once if they are asked for in rising order. run() throws Error(input) that tells the least if it is
-  // too little.
+  // Bytes that the states of the runs to come may take [1 GiB], those at located events among them. If not all fit,
+  // some are kept together with saved states of the simulation, and the others are made again, with the same bits,
+  // where they are asked for: by adjoint() in the order of binomial checkpoints (revolve), by tangent(), positions()
+  // and velocities() once if they are asked for in rising order. run() throws Error(input) that tells the least if it
+  // is too little: at once, or where so many events have been located that it is.
   void set_memory(std::size_t bytes);
   // Of the last run, and since.
   struct Kept {
@@ -87,6 +87,7 @@ class SPRINGNET_API MotionDerivatives {
     std::size_t part;           // states that are made again together
     std::size_t places;         // for saved states; 0: all states are kept
     std::size_t steps_again;    // made once more so far
+    std::size_t bytes;          // of states and saved ones, at most at a time
   };
   [[nodiscard]] Kept kept() const noexcept;
 
