@@ -59,6 +59,10 @@ bool is_point(const FigurePanel& panel, const FigureCurve& curve, std::size_t k)
          (!panel.y_logarithmic || curve.y[k] > 0.0);
 }
 
+bool has_bar(const FigureCurve& curve, std::size_t k) {
+  return k < curve.from.size() && std::isfinite(curve.from[k]) && std::isfinite(curve.to[k]);
+}
+
 // Of y, without what exceeds nine tenths of all values by far; `is_cut`: there is such.
 Interval drawn_values(const FigurePanel& panel, bool& is_cut) {
   constexpr double by_far = 12.0, drawn = 4.0;
@@ -69,6 +73,11 @@ Interval drawn_values(const FigurePanel& panel, bool& is_cut) {
       if (!is_point(panel, curve, k)) continue;
       all.include(curve.y[k]);
       sizes.push_back(std::abs(curve.y[k]));
+      if (!has_bar(curve, k)) continue;
+      for (const double end : {curve.from[k], curve.to[k]}) {
+        all.include(end);
+        sizes.push_back(std::abs(end));
+      }
     }
   }
   is_cut = false;
@@ -154,8 +163,8 @@ std::string words_of_marks(const FigurePanel& panel, const Axis& x, double top, 
 // The largest value of each of `buckets` groups of neighbours, because peaks matter.
 FigureCurve thinned(const FigurePanel& panel, const FigureCurve& curve) {
   constexpr std::size_t buckets = 400;
-  if (panel.is_path || curve.x.size() <= 2 * buckets) return curve;
-  FigureCurve result{curve.label, {}, {}, curve.dashed, curve.markers};
+  if (panel.is_path || !curve.has_line || curve.x.size() <= 2 * buckets) return curve;
+  FigureCurve result{curve.label, {}, {}, curve.dashed, curve.markers, true, {}, {}};
   const std::size_t count = curve.x.size();
   for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
     const std::size_t first = bucket * count / buckets, end = (bucket + 1) * count / buckets;
@@ -188,17 +197,41 @@ std::string path_of(const FigurePanel& panel, const FigureCurve& curve, const Ax
   return path;
 }
 
+// Of points alone, of many smaller ones; a dashed curve has rings.
+std::string marker(const FigureCurve& curve, double x, double y, const char* colour) {
+  constexpr std::size_t many = 100;
+  const double radius = curve.has_line || curve.x.size() <= many ? 4.0 : 2.5;
+  if (curve.dashed && !curve.has_line)
+    return fmt::format(
+        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"/>\n", x, y,
+        radius, colour);
+  return fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"{}\"/>\n", x, y, radius, colour);
+}
+
+std::string bars_of(const FigureCurve& curve, const Axis& x, const Axis& y, const char* colour,
+                    const std::string& frame) {
+  std::string path;
+  for (std::size_t k = 0; k < curve.x.size(); ++k)
+    if (has_bar(curve, k))
+      path += fmt::format("M{0:.2f} {1:.2f}V{2:.2f}M{3:.2f} {1:.2f}h6M{3:.2f} {2:.2f}h6", x.place(curve.x[k]),
+                          y.place(curve.from[k]), y.place(curve.to[k]), x.place(curve.x[k]) - 3.0);
+  if (path.empty()) return {};
+  return fmt::format("<path clip-path=\"url(#{})\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.2\" d=\"{}\"/>\n",
+                     frame, colour, path);
+}
+
 std::string curve_of(const FigurePanel& panel, std::size_t k, const Axis& x, const Axis& y, const std::string& frame) {
   const FigureCurve curve = thinned(panel, panel.curves[k]);
   const char* const colour = line_colours[k % line_colours.size()];
-  std::string svg =
-      fmt::format("<path class=\"curve\" clip-path=\"url(#{})\" stroke=\"{}\" stroke-dasharray=\"{}\" d=\"{}\"/>\n",
-                  frame, colour, dashes_of(panel, k), path_of(panel, curve, x, y));
-  if (!curve.markers) return svg;
+  std::string svg;
+  if (curve.has_line)
+    svg +=
+        fmt::format("<path class=\"curve\" clip-path=\"url(#{})\" stroke=\"{}\" stroke-dasharray=\"{}\" d=\"{}\"/>\n",
+                    frame, colour, dashes_of(panel, k), path_of(panel, curve, x, y));
+  svg += bars_of(curve, x, y, colour, frame);
+  if (!curve.markers && curve.has_line) return svg;
   for (std::size_t i = 0; i < curve.x.size(); ++i)
-    if (is_point(panel, curve, i))
-      svg += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"4\" fill=\"{}\"/>\n", x.place(curve.x[i]),
-                         y.place(curve.y[i]), colour);
+    if (is_point(panel, curve, i)) svg += marker(curve, x.place(curve.x[i]), y.place(curve.y[i]), colour);
   return svg;
 }
 
@@ -232,6 +265,12 @@ class Legend {
       if (x > left_ && x + width(curve) - gap > frame_right) {
         x = left_;
         y += row;
+      }
+      if (!curve.has_line) {
+        svg += marker(curve, x + key - 14.0, y - 4.5, line_colours[k % line_colours.size()]);
+        svg += words("legend", x + key, y, "start", curve.label);
+        x += width(curve);
+        continue;
       }
       svg += fmt::format(
           "<line x1=\"{:.1f}\" y1=\"{}\" x2=\"{:.1f}\" y2=\"{}\" stroke=\"{}\" stroke-width=\"2.2\" "
@@ -321,6 +360,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 const char* const embedded_style = R"(svg { width: 100%; height: auto; font-size: 13px; }
 svg text { fill: var(--ink); }
+svg .title { font-size: 16px; font-weight: 600; }
 svg .heading { font-weight: 600; }
 svg .grid, svg .zero { stroke: var(--faint); }
 svg .frame { fill: none; stroke: var(--soft); }

@@ -12,6 +12,8 @@ struct FigureCurve {
   std::vector<double> x, y;
   bool dashed = false;
   bool markers = false;
+  bool has_line = true;              // false: markers alone
+  std::vector<double> from{}, to{};  // ends of a vertical bar at each point; none: no bars
 };
 // A vertical line, or a shaded interval, with a few words. Not on logarithmic axes.
 struct FigureMark {

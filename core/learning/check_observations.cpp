@@ -8,6 +8,7 @@
 #include <springnet/error.hpp>
 #include <springnet/observations.hpp>
 
+#include "learning/check_held_out.hpp"
 #include "learning/observed_values.hpp"
 #include "text/counted.hpp"
 
@@ -54,8 +55,11 @@ bool is_ordered(const std::vector<Row>& rows) {
 
 class Check {
  public:
-  Check(const Observations& observations, std::size_t node_count, double first_time, double last_time)
+  // learned_from: null, or of `observations` the first rows of each list; the others are held out.
+  Check(const Observations& observations, std::size_t node_count, double first_time, double last_time,
+        const Observations* learned_from = nullptr)
       : observations_(observations),
+        learned_from_(learned_from != nullptr ? *learned_from : observations),
         node_count_(node_count),
         first_time_(first_time),
         last_time_(last_time),
@@ -78,10 +82,10 @@ class Check {
         if (observed_values(row) != 0) check_time(row.time, fail);
       }
     });
-    check_repeated(observations_.positions, "positions");
-    check_repeated(observations_.velocities, "velocities");
-    check_repeated(observations_.reactions, "reactions");
-    check_repeated(observations_.distances, "distances");
+    check_repeated(observations_.positions, learned_from_.positions.size(), "positions");
+    check_repeated(observations_.velocities, learned_from_.velocities.size(), "velocities");
+    check_repeated(observations_.reactions, learned_from_.reactions.size(), "reactions");
+    check_repeated(observations_.distances, learned_from_.distances.size(), "distances");
   }
 
  private:
@@ -176,9 +180,9 @@ class Check {
     for (int c = 0; c < 3; ++c) check_value(row.point[c], row.weight, fail);
   }
 
-  // Throws for two rows that observe the same value.
+  // Throws for two rows that observe the same value. Those from `held_out` on are held out.
   template <class Row>
-  void check_repeated(const std::vector<Row>& rows, const char* list) const {
+  void check_repeated(const std::vector<Row>& rows, std::size_t held_out, const char* list) const {
     if (is_ordered(rows)) return;
     std::vector<Key> keys;
     keys.reserve(rows.size());
@@ -191,14 +195,20 @@ class Check {
       for (std::size_t before = k; before > 0 && keys[before - 1].is_of_same(keys[k]); --before) {
         const Row& earlier = rows[keys[before - 1].row];
         if ((observed_values(row) & observed_values(earlier)) == 0) continue;
+        const std::string first = place(earlier.place, list, keys[before - 1].row);
+        if (keys[before - 1].row < held_out && keys[k].row >= held_out)
+          fail_at(row.place, list, keys[k].row,
+                  fmt::format("{} of {} at {} s are held out and learned from as well, in {}; what judges must not be "
+                              "learned from: hold out other rows than those of the observations",
+                              list, what_of(row), row.time, first));
         fail_at(row.place, list, keys[k].row,
                 fmt::format("{} of {} at {} s are observed a second time, after {}; remove one of the rows", list,
-                            what_of(row), row.time, place(earlier.place, list, keys[before - 1].row)));
+                            what_of(row), row.time, first));
       }
     }
   }
 
-  const Observations& observations_;
+  const Observations &observations_, &learned_from_;
   std::size_t node_count_;
   double first_time_, last_time_, rounding_;  // s
 };
@@ -208,5 +218,15 @@ class Check {
 void check_observations(const Observations& observations, std::size_t node_count, double first_time, double last_time) {
   Check(observations, node_count, first_time, last_time).all();
 }
+
+namespace learning {
+
+void check_held_out(const Observations& learned_from, const Observations& held_out, std::size_t node_count) {
+  Observations both = learned_from;
+  both.append(held_out);
+  Check(both, node_count, 0.0, both.times().back(), &learned_from).all();
+}
+
+}  // namespace learning
 
 }  // namespace springnet

@@ -20,11 +20,12 @@ void archive_numbers(Archive& archive, VectorXd& values, const char* what) {
 }
 
 void archive_history(Archive& archive, std::vector<Progress>& history) {
-  history.resize(archive.count(history.size(), sizeof(int) + 2 * sizeof(double), "iterations of a search"));
+  history.resize(archive.count(history.size(), sizeof(int) + 3 * sizeof(double), "iterations of a search"));
   for (Progress& each : history) {
     archive.number(each.iteration);
     archive.number(each.cost);
     archive.number(each.gradient);
+    archive.number(each.aside);
   }
 }
 
@@ -62,7 +63,7 @@ bool is_held(const VectorXd& x, const VectorXd& gradient, const Bounds& bounds, 
 }
 
 std::optional<Minimum> Course::ends(SearchState& state, double cost, double gradient) const {
-  const Progress now{state.iteration, cost, gradient};
+  const Progress now{state.iteration, cost, gradient, options_.aside ? options_.aside(state.x) : 0.0};
   state.history.push_back(now);
   if (options_.on_iteration && !options_.on_iteration(now, state.x))
     return end(state, cost, Stop::asked, "It was stopped; the values are the best until then.");

@@ -124,6 +124,23 @@ void Fit::set_guess_weight(double weight) {
   root_guess_weight_ = std::sqrt(weight);
 }
 
+double Fit::guess_cost(const VectorXd& x) const {
+  const double weight = root_weight();
+  return 0.5 * weight * weight * (x - variables_->start()).cwiseQuotient(variables_->scale()).squaredNorm();
+}
+
+template <class Work>
+bool Fit::tell(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::plugin) throw;
+    failure_ = error.what();
+    return false;
+  }
+  return true;
+}
+
 double Fit::steps() const {
   std::size_t sum = 0;
   for (const Run& each : runs_) sum += each.motion->step_count();
@@ -140,14 +157,7 @@ bool Fit::run(const VectorXd& x) {
 bool Fit::move(const VectorXd& values) {
   at_.resize(0);
   count(1.0);
-  try {
-    for_each_run([&](std::size_t k) { runs_[k].motion->run(values); });
-  } catch (const Error& error) {
-    if (error.kind() == ErrorKind::plugin) throw;
-    failure_ = error.what();
-    return false;
-  }
-  return true;
+  return tell([&] { for_each_run([&](std::size_t k) { runs_[k].motion->run(values); }); });
 }
 
 void Fit::add_residuals(const VectorXd& values, VectorXd& out) {
@@ -165,9 +175,9 @@ double Fit::cost_of(const VectorXd& values) {
 }
 
 VectorXd Fit::residuals(const VectorXd& x) {
-  VectorXd observed = VectorXd::Constant(rows_, std::numeric_limits<double>::quiet_NaN());
-  const bool moves = run(x);
-  if (moves) add_residuals(variables_->values(x), observed);
+  VectorXd observed = VectorXd::Zero(rows_);
+  const bool moves = run(x) && tell([&] { add_residuals(variables_->values(x), observed); });
+  if (!moves) observed.setConstant(std::numeric_limits<double>::quiet_NaN());
   if (moves && !is_unseen_known_) find_unseen();
   is_unseen_known_ = is_unseen_known_ || moves;
   const Eigen::Index guess_rows = root_weight() > 0.0 ? x.size() : 0;
@@ -180,6 +190,7 @@ VectorXd Fit::residuals(const VectorXd& x) {
 }
 
 void Fit::note_events(std::vector<std::string>& notes) const {
+  if (at_.size() == 0) return;  // a motion has failed
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     const std::string text = note_of_events(not_located(*runs_[i].motion), runs_[i].events_at_start);
     if (text.empty()) continue;

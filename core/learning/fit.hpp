@@ -25,6 +25,8 @@ class Fit {
       std::size_t memory = std::size_t{1} << 30);
 
   [[nodiscard]] double guess_weight() const noexcept { return root_guess_weight_ * root_guess_weight_; }
+  // The part of the guess in 1/2 of the squares of the residuals.
+  [[nodiscard]] double guess_cost(const Eigen::VectorXd& x) const;
   // Throws Error(input) unless it is 0 or more.
   void set_guess_weight(double weight);
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
@@ -65,6 +67,9 @@ class Fit {
   void find_unseen();
   [[nodiscard]] bool run(const Eigen::VectorXd& x);
   [[nodiscard]] bool move(const Eigen::VectorXd& values);
+  // Whether it succeeds; else why_failed() tells the error. That of a plugin is thrown.
+  template <class Work>
+  [[nodiscard]] bool tell(const Work& work);
   void add_residuals(const Eigen::VectorXd& values, Eigen::VectorXd& out);
   void count(double motions) const {
     if (work_ != nullptr) *work_ += motions * steps();

@@ -42,7 +42,7 @@ void search_by_rule(Search& search, Fit& fit, double greatest, LearnedNet& resul
     found.point = {weight, rms_at(found.x),
                    (found.x - variables.start()).cwiseQuotient(variables.scale()).norm() /
                        std::sqrt(static_cast<double>(variables.count()))};
-    found.stopped = search.stopped;
+    found.stopped = search.is_over();
     return found;
   };
   GuessChoice choice = search.options.guess_rule == GuessRule::discrepancy
@@ -52,10 +52,12 @@ void search_by_rule(Search& search, Fit& fit, double greatest, LearnedNet& resul
   result.guess_curve = std::move(choice.curve);
   if (!choice.note.empty()) result.notes.push_back(std::move(choice.note));
   minimum.x = choice.found.x;
-  if (search.stopped)
-    minimum.cost = 0.5 * fit.residuals(minimum.x).squaredNorm();
-  else
+  if (!search.is_over()) {
     minimum = search.run(fit, choice.found.x, 1.0, true);
+    return;
+  }
+  minimum.cost = 0.5 * fit.residuals(minimum.x).squaredNorm();
+  if (!search.failure.empty()) minimum.reason = ended_by(search.failure);
 }
 
 }  // namespace springnet::learning

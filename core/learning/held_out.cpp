@@ -8,6 +8,7 @@
 
 #include <springnet/error.hpp>
 
+#include "learning/check_held_out.hpp"
 #include "learning/fit.hpp"
 #include "learning/result.hpp"
 
@@ -28,18 +29,19 @@ Judge::Judge(const std::vector<Experiment>& experiments, const std::shared_ptr<c
   for (const Experiment& each : experiments) {
     if (each.held_out.value_count() == 0) continue;
     if (!each.network) throw Error(ErrorKind::input, "learning: an experiment has no network");
-    Observations both = each.observations;
-    both.append(each.held_out);
-    check_observations(both, each.network->nodes().size(), 0.0, both.times().back());
-    experiments_.push_back({each.network, each.options, each.held_out});
+    check_held_out(each.observations, each.held_out, each.network->nodes().size());
+    experiments_.push_back({each.network, each.options, each.held_out, {}, each.name});
   }
+  if (experiments_.empty()) return;
+  Fit fit(experiments_, plugins_, learnables_, 0.0, threads_, memory_);  // what cannot be judged is refused at once
+  start_rms_ = rms_of(fit.residuals(fit.variables().start()), fit.observed());
 }
 
 void Judge::judge(const Eigen::VectorXd& x, LearnedNet& learned) {
   if (experiments_.empty()) return;
   Fit fit(experiments_, plugins_, learnables_, 0.0, threads_, memory_);
   learned.held_out.observed = fit.observed();
-  learned.held_out.start_rms = rms_of(fit.residuals(fit.variables().start()), fit.observed());
+  learned.held_out.start_rms = start_rms_;
   learned.held_out.rms = rms_of(fit.residuals(x), fit.observed());
   if (!std::isfinite(learned.held_out.rms))
     learned.notes.push_back("The motion of what was held out fails with the learned values: " + fit.why_failed());

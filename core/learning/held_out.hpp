@@ -30,6 +30,7 @@ class Judge {
   std::vector<Experiment> experiments_;  // `observations` are those that were held out
   const std::shared_ptr<const PluginHost>& plugins_;
   const std::vector<Learnable>& learnables_;
+  double start_rms_ = 0.0;
   unsigned threads_;
   std::size_t memory_;
 };

@@ -10,6 +10,7 @@
 
 #include "learning/certainty.hpp"
 #include "learning/fit.hpp"
+#include "learning/fit_quality.hpp"
 #include "learning/guess_search.hpp"
 #include "learning/held_out.hpp"
 #include "learning/learned_values.hpp"
@@ -38,8 +39,7 @@ std::vector<Experiment> first_part(const std::vector<Experiment>& experiments, d
     const std::vector<double> all = each.observations.times();
     const double until = share * all.back();
     if (!(until > 0.0) || all.front() > until) return {};
-    Experiment part{each.network, each.options, {}};
-    part.observations = learning::part_of(each.observations, 0.0, until);
+    Experiment part{each.network, each.options, learning::part_of(each.observations, 0.0, until), {}, each.name};
     result.push_back(std::move(part));
   }
   return result;
@@ -65,13 +65,19 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
 
 // What is known of the values beforehand is in the units of the observations' noise, if that is known.
 LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
-                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
+                             const std::shared_ptr<const PluginHost>& plugins, std::vector<Learnable> learnables,
                              LearnOptions options) {
   const bool have_widths = std::any_of(learnables.begin(), learnables.end(),
                                        [](const Learnable& each) { return !each.guess_widths.empty(); });
   const bool can_compare = !learning::have_plain_weights(learning::learned_from(experiments));
   options.guess_rule = GuessRule::given;
   options.guess_weight = have_widths && can_compare ? 1.0 : 0.0;
+  constexpr double nothing_known = 100.0;  // so far off as good as nothing holds a value
+  for (Learnable& each : learnables) {
+    if (options.guess_weight == 0.0) continue;
+    if (each.guess_widths.empty()) each.guess_widths.assign(learning::value_count(each), nothing_known);
+    std::replace(each.guess_widths.begin(), each.guess_widths.end(), 0.0, nothing_known);
+  }
   LearnedNet result = learn(experiments, plugins, learnables, options);
   const char* const note = can_compare
                                ? "First guesses hold values by their widths, beside the standard deviations of the "
@@ -81,6 +87,35 @@ LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
                                  "choose the weight by the L-curve.";
   if (have_widths) result.notes.emplace_back(note);
   return result;
+}
+
+// What the data say of the values x.
+void describe_what_is_known(const std::vector<Experiment>& experiments,
+                            const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
+                            const LearnOptions& options, learning::Fit& fit, learning::Judge& judge, const VectorXd& x,
+                            const VectorXd& residuals, LearnedNet& result) {
+  const learning::Variables& variables = fit.variables();
+  const VectorXd& scale = variables.scale();
+  const double numbers = static_cast<double>(variables.count()) * static_cast<double>(fit.observation_rows());
+  if (result.stopped || variables.count() > most_with_intervals || numbers > learning::MinimiseOptions{}.most_numbers) {
+    result.notes.push_back(
+        result.stopped
+            ? "Intervals and what the data determine are not known, as it was stopped."
+            : fmt::format("Intervals and what the data determine are told for up to {} variables, and {:g} for the "
+                          "product with the observed values; these are {} and {:g}.",
+                          most_with_intervals, learning::MinimiseOptions{}.most_numbers, variables.count(), numbers));
+    learning::describe(result, variables, x, nullptr, {});
+    if (!result.stopped) learning::describe_many(result, fit, options.certainty_products);
+    return;
+  }
+  const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
+  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight(), fit.unseen());
+  result.singular_values = certainty.singular_values();
+  result.undetermined = certainty.undetermined();
+  const VectorXd shift =
+      shift_by_half_step(experiments, plugins, learnables, certainty, scale, x, residuals, options, result.notes);
+  if (shift.size() > 0) judge.judge_half_step(x + shift, result);
+  learning::describe(result, variables, x, &certainty, shift);
 }
 
 }  // namespace
@@ -126,7 +161,8 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
     const auto better = [&](learning::Fit& of) {
       return of.residuals(start).squaredNorm() <= of.residuals(first).squaredNorm() ? start : first;
     };
-    for (int stage = options.stages - 1; stage > 0 && !search.stopped; --stage) {
+    search.failure.clear();
+    for (int stage = options.stages - 1; stage > 0 && !search.is_over(); --stage) {
       const double share = std::ldexp(1.0, -stage);
       const std::vector<Experiment> part = first_part(experiments, share);
       if (part.empty()) continue;
@@ -137,10 +173,11 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
     }
     learning::Minimum found;
     found.x = better(fit);
-    found.reason = "It was stopped; the values are the best until then.";
+    found.reason =
+        search.stopped ? "It was stopped; the values are the best until then." : learning::ended_by(search.failure);
     found.cost = 0.5 * fit.residuals(found.x).squaredNorm();
     search.stage = search.stages - 1;
-    if (search.stopped) return found;
+    if (search.is_over()) return found;
     if (weight_is_found) return search.run(fit, found.x, 1.0, true);
     learning::search_by_rule(search, fit, greatest_weight, result, found);
     stage_weight = fit.guess_weight();
@@ -148,6 +185,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
     return found;
   };
   learning::Minimum minimum = search_from(variables.start());
+  result.failure = search.failure;
   if (options.starts > 1) minimum = learning::best_of_starts(fit, search, std::move(minimum), search_from, result);
   result.guess_weight = fit.guess_weight();
 
@@ -162,31 +200,21 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
   result.rms = learning::rms_of(residuals, fit.observed());
+  learning::judge_fit(experiments, residuals,
+                      "try several starts (--starts 8), other or more parameters, a smaller time step, or observations "
+                      "of a shorter time",
+                      result);
   fit.note_events(result.notes);
   judge.judge(minimum.x, result);
 
-  const VectorXd& scale = variables.scale();
-  const double numbers = static_cast<double>(variables.count()) * static_cast<double>(fit.observation_rows());
-  if (search.stopped || variables.count() > most_with_intervals || numbers > learning::MinimiseOptions{}.most_numbers) {
-    result.notes.push_back(
-        search.stopped
-            ? "Intervals and what the data determine are not known, as it was stopped."
-            : fmt::format("Intervals and what the data determine are told for up to {} variables, and {:g} for the "
-                          "product with the observed values; these are {} and {:g}.",
-                          most_with_intervals, learning::MinimiseOptions{}.most_numbers, variables.count(), numbers));
+  try {
+    describe_what_is_known(experiments, plugins, learnables, options, fit, judge, minimum.x, residuals, result);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::plugin) throw;
+    if (result.failure.empty()) result.failure = error.what();
+    result.notes.push_back(std::string("Intervals and what the data determine are not known: ") + error.what());
     learning::describe(result, variables, minimum.x, nullptr, {});
-    if (!search.stopped) learning::describe_many(result, fit, options.certainty_products);
-    learning::add_notes(result);
-    return result;
   }
-  const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
-  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight(), fit.unseen());
-  result.singular_values = certainty.singular_values();
-  result.undetermined = certainty.undetermined();
-  const VectorXd shift = shift_by_half_step(experiments, plugins, learnables, certainty, scale, minimum.x, residuals,
-                                            options, result.notes);
-  if (shift.size() > 0) judge.judge_half_step(minimum.x + shift, result);
-  learning::describe(result, variables, minimum.x, &certainty, shift);
   learning::add_notes(result);
   return result;
 }

@@ -36,6 +36,8 @@ std::string to_json(const LearnedNet& learned) {
     Json entry{{"kind", name_of(each.kind)}};
     if (!each.parameter.empty()) entry["parameter"] = each.parameter;
     entry[std::string(member_name(each.kind, each.of_elements))] = each.member;
+    if (!each.body.empty()) entry["body"] = each.body;
+    if (each.together) entry["together"] = true;
     if (each.axis >= 0) entry["axis"] = each.axis;
     entry["variable"] = each.variable;
     if (each.variables > 1) entry["variables"] = each.variables;
@@ -47,6 +49,7 @@ std::string to_json(const LearnedNet& learned) {
     entry["has_influence"] = each.has_influence;
     entry["from_guess"] = number(each.from_guess);
     entry["at_bound"] = each.at_bound;
+    entry["outside_interval"] = each.is_outside;
     entry["by_half_time_step"] = number(each.by_time_step);
     if (!learned.starts.empty()) {
       entry["starts_lower"] = number(each.starts_lower);
@@ -56,8 +59,11 @@ std::string to_json(const LearnedNet& learned) {
   }
   Json history = Json::array();
   for (const LearnProgress& each : learned.history)
-    history.push_back(
-        {{"iteration", each.iteration}, {"share_of_time", each.share}, {"cost", each.cost}, {"rms", each.rms}});
+    history.push_back({{"iteration", each.iteration},
+                       {"share_of_time", each.share},
+                       {"guess_weight", each.guess_weight},
+                       {"cost", each.cost},
+                       {"rms", each.rms}});
   Json starts = Json::array();
   for (const LearnedStart& each : learned.starts)
     starts.push_back({{"start_cost", number(each.start_cost)},
@@ -72,10 +78,15 @@ std::string to_json(const LearnedNet& learned) {
       {"springnet", version()},
       {"observed_values", learned.observed},
       {"variables", learned.variables},
-      {"start_cost", learned.start_cost},
-      {"cost", learned.cost},
-      {"rms", learned.rms},
+      {"start_cost", number(learned.start_cost)},
+      {"cost", number(learned.cost)},
+      {"rms", number(learned.rms)},
+      {"fit",
+       {{"share_of_motion", number(learned.fit.share_of_motion)},
+        {"correlation_in_time", number(learned.fit.correlation_in_time)},
+        {"warning", learned.fit.warning.empty() ? Json(nullptr) : Json(learned.fit.warning)}}},
       {"reason", learned.reason},
+      {"error", learned.failure.empty() ? Json(nullptr) : Json(learned.failure)},
       {"guess_weight", learned.guess_weight},
       {"guess_curve", curve},
       {"undetermined_directions", learned.undetermined},

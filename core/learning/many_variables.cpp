@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include <fmt/format.h>
+
+#include "text/counted.hpp"
 
 namespace springnet::learning {
 
@@ -50,13 +53,22 @@ void describe_many(LearnedNet& learned, Fit& fit, int products) {
     const auto first = static_cast<Index>(each.variable), count = static_cast<Index>(each.variables);
     const VectorXd weights = variables.weights_of(k).cwiseProduct(variables.scale().segment(first, count));
     const VectorXd along = found.reached_right.middleRows(first, count).transpose() * weights;
-    each.from_guess = std::max(0.0, 1.0 - along.cwiseAbs2().dot(kept) / weights.squaredNorm());
+    // Without a guess that has weight, it is what no product has reached: that says nothing of the data.
+    each.from_guess = fit.guess_weight() > 0.0
+                          ? std::max(0.0, 1.0 - along.cwiseAbs2().dot(kept) / weights.squaredNorm())
+                          : std::numeric_limits<double>::quiet_NaN();
     each.has_influence = (weights.array() != 0.0 && greatest.segment(first, count).array() > least).any();
   }
-  learned.notes.push_back(fmt::format(
-      "Singular values are the {} greatest, by Lanczos' method. Shares of the guess are told as the most that "
-      "they can be: what {} products with the sensitivities have reached alone counts as determined.",
-      found.values.size(), found.reached.size()));
+  learned.notes.push_back(
+      found.values.size() > 0
+          ? fmt::format("Singular values are the {} greatest, by Lanczos' method.", found.values.size())
+          : fmt::format("No singular value has settled after {}: allow more (--certainty-products).",
+                        counted(static_cast<std::size_t>(std::max(1, products)), "product")));
+  if (fit.guess_weight() > 0.0)
+    learned.notes.push_back(
+        fmt::format("Shares of the guess are told as the most that they can be: what {} with the sensitivities reached "
+                    "alone counts as determined.",
+                    counted(static_cast<std::size_t>(found.reached.size()), "product")));
 }
 
 }  // namespace springnet::learning

@@ -33,6 +33,7 @@ struct Progress {
   // Greatest cosine between the residuals and what a variable that may move changes of them; 0 at a minimum. Where the
   // Jacobian is not known, all variables count as sensitive, in their units, as they were down the first gradient.
   double gradient = 0.0;
+  double aside = 0.0;  // see MinimiseOptions
 };
 
 struct MinimiseOptions {
@@ -45,6 +46,8 @@ struct MinimiseOptions {
   double most_numbers = 2.5e7;  // of such a Jacobian; five times as many are kept at a time
   // Changes of the variables that count as the same, for methods that know no Jacobian; none: 1.
   Eigen::VectorXd unit{};
+  // The part of the cost at x that is told by itself; none: 0.
+  std::function<double(const Eigen::VectorXd& x)> aside{};
   // After the start and each iteration, with the best so far; false ends the search.
   std::function<bool(const Progress&, const Eigen::VectorXd& best)> on_iteration{};
   // Before these, bytes with which a search of the same method, problem and options goes on there, with the same bits;

@@ -18,7 +18,7 @@ namespace springnet::learning {
 // at the start; empty: there are none.
 [[nodiscard]] std::string note_of_events(const std::vector<Event>& events, const std::vector<Event>& at_start);
 
-// On values without influence and at bounds, and on what was held out.
+// On values without influence, at bounds and outside of their intervals, and on what was held out.
 void add_notes(LearnedNet& learned);
 
 }  // namespace springnet::learning

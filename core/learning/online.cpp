@@ -9,6 +9,7 @@
 #include <springnet/learn.hpp>
 
 #include "learning/fit.hpp"
+#include "learning/fit_quality.hpp"
 #include "learning/held_out.hpp"
 #include "learning/notes.hpp"
 #include "learning/observed_motion.hpp"
@@ -71,7 +72,10 @@ struct OnlineLearner::Impl {
     }
     greatest = std::max(greatest, jacobian.squaredNorm());
     if (greatest > 0.0) {
-      x -= options.rate / greatest * variables.scale().cwiseProduct(jacobian.transpose() * residuals);
+      // Differences that no change of the values by their own size explains are noise, or the model's: there the floor
+      // shortens the step.
+      const double floor = residuals.squaredNorm();
+      x -= options.rate / (greatest + floor) * variables.scale().cwiseProduct(jacobian.transpose() * residuals);
       x = x.cwiseMax(variables.lower()).cwiseMin(variables.upper());
       values = variables.values(x);
     }
@@ -119,7 +123,16 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   for (int step = 1; learner.time() < last - slack; ++step) {
     const double from = learner.time(), until = from + experiment.options.time_step + slack;
     const Observations seen = learning::part_of(experiment.observations, step == 1 ? from : from + slack, until);
-    const double cost = learner.step(seen), count = static_cast<double>(seen.value_count());
+    double cost = 0.0;
+    try {
+      cost = learner.step(seen);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::plugin || result.history.empty()) throw;
+      result.failure = error.what();
+      result.reason = fmt::format("An error ended it at {:g} s; the values are those until then.", from);
+      break;
+    }
+    const double count = static_cast<double>(seen.value_count());
     if (!(count > 0.0)) continue;
     LearnProgress now{step, learner.time() / last, cost, std::sqrt(2.0 * cost / count), {}};
     now.done = now.share;
@@ -127,6 +140,7 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
     now.work = static_cast<double>(step) * static_cast<double>(1 + variables.count());
     now.values = learner.values();
     if (!on_step || on_step(now)) continue;
+    result.stopped = true;
     result.reason = "It was stopped; the values are those until then.";
     break;
   }
@@ -142,6 +156,10 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   if (!residuals.allFinite()) result.notes.push_back("A motion with the values at the end fails: " + fit.why_failed());
   fit.note_events(result.notes);
   result.parameters = learning::list_parameters(learnables);
+  if (residuals.allFinite())
+    learning::judge_fit({experiment}, residuals,
+                        "the whole motion (--method trajectory) finds more, and several starts of it (--starts 8)",
+                        result);
   judge.judge(learner.variables(), result);
   learning::describe(result, variables, learner.variables(), nullptr, {});
   learning::add_notes(result);

@@ -42,6 +42,8 @@ std::vector<LearnedParameter> list_parameters(const std::vector<Learnable>& lear
         parameter.parameter = each.values.parameter;
         parameter.member = member;
         parameter.axis = each.values.kind == Kind::initial_velocity ? axis : -1;
+        parameter.body = each.body;
+        parameter.together = each.together;
         result.push_back(std::move(parameter));
       }
   return result;
@@ -69,6 +71,8 @@ void describe(LearnedNet& learned, const Variables& variables, const VectorXd& x
                            is_known ? variables.value_at(k, x, middle + width) : infinite};
     each.lower = std::min(ends[0], ends[1]);
     each.upper = std::max(ends[0], ends[1]);
+    const double rounding = 1e-9 * (each.upper - each.lower);
+    each.is_outside = each.value < each.lower - rounding || each.value > each.upper + rounding;
     each.determined =
         certainty == nullptr ? std::numeric_limits<double>::quiet_NaN() : certainty->determined(first, scaled);
     each.has_influence = certainty == nullptr || certainty->has_influence(first, scaled);

@@ -38,14 +38,18 @@ std::string difference_of(const Network& first, const Network& other) {
 void check_same_object(const std::vector<Experiment>& experiments) {
   for (std::size_t k = 0; k < experiments.size(); ++k) {
     const Experiment& each = experiments[k];
-    if (!each.network) throw Error(ErrorKind::input, fmt::format("learning: experiment {} has no network", k + 1));
+    const auto name = [&](std::size_t number) {
+      const std::string& own = experiments[number].name;
+      return fmt::format("experiment {}{}", number + 1, own.empty() ? "" : fmt::format(" ({})", own));
+    };
+    if (!each.network) throw Error(ErrorKind::input, fmt::format("learning: {} has no network", name(k)));
     const std::string difference = difference_of(*experiments.front().network, *each.network);
     if (!difference.empty())
       throw Error(
           ErrorKind::input,
-          fmt::format("learning: experiment {} is of another object than the first: it has {}; loads, the start "
-                      "and what is fixed may differ alone",
-                      k + 1, difference));
+          fmt::format("learning: {} is of another object than {}: it has {}; all experiments have the nodes, springs "
+                      "and elements of the first one, and only loads, the start and what is fixed may differ",
+                      name(k), name(0), difference));
   }
 }
 

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include <springnet/error.hpp>
 
 namespace springnet::learning {
 
@@ -29,6 +32,10 @@ class Problem final : public LeastSquares {
 
 }  // namespace
 
+std::string ended_by(const std::string& failure) {
+  return "An error ended it, and the values are the best until then: " + failure;
+}
+
 Minimum Search::made(Fit& fit, const VectorXd& from, const MinimiseOptions& own) const {
   Problem problem(fit);
   const Bounds bounds{variables.lower(), variables.upper()};
@@ -51,18 +58,25 @@ Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) 
   own.cost_tolerance = is_last ? options.tolerance : share < 1.0 ? tolerance_of_a_stage : tolerance_of_a_weight;
   own.step_tolerance = own.gradient_tolerance = options.tolerance;
   own.unit = variables.scale();
+  own.aside = [&fit](const VectorXd& x) { return fit.guess_cost(x); };
   own.state = journal.present_leg();
   if (options.on_state) own.on_state = [this](const std::string& state) { options.on_state(journal.with(state)); };
   const double values = static_cast<double>(std::max<std::size_t>(1, fit.observed()));
   const int before = history.empty() ? 0 : history.back().iteration;
   const auto progress = [&](const Progress& now) {
-    LearnProgress told{before + now.iteration, share, now.cost, std::sqrt(2.0 * now.cost / values), {}};
+    const double of_observations = std::max(0.0, now.cost - now.aside);
+    LearnProgress told{before + now.iteration, share, now.cost, std::sqrt(2.0 * of_observations / values), {}};
     told.start = start;
+    told.guess_weight = fit.guess_weight();
     const double of_leg = static_cast<double>(now.iteration) / std::max(1, own.max_iterations);
     told.done = (start + (stage + std::min(1.0, of_leg)) / stages) / std::max(1, options.starts);
     return told;
   };
+  Minimum known{from, std::numeric_limits<double>::quiet_NaN(), Minimum::Stop::stuck, {}, {}};
   own.on_iteration = [&](const Progress& now, const VectorXd& best) {
+    known.x = best;
+    known.cost = now.cost;
+    known.history.push_back(now);
     if (!options.on_iteration || stopped) return !stopped;
     LearnProgress told = progress(now);
     told.values = variables.values(best);
@@ -74,8 +88,16 @@ Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) 
   if (std::optional<Minimum> ended = journal.ended_leg()) {
     minimum = std::move(*ended);
   } else {
-    minimum = made(fit, from, own);
-    if (!stopped) journal.end_leg(minimum);
+    try {
+      minimum = made(fit, from, own);
+      if (!stopped) journal.end_leg(minimum);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::plugin || (start == 0 && known.x == variables.start())) throw;
+      failure = error.what();
+      if (std::isnan(known.cost)) known.cost = 0.5 * fit.residuals(known.x).squaredNorm();
+      minimum = std::move(known);
+      minimum.reason = ended_by(failure);
+    }
   }
   for (const Progress& each : minimum.history) history.push_back(progress(each));
   return minimum;

@@ -1,6 +1,7 @@
 // The search for values in its legs: parts of the motion, then all of it, from one start or several.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +15,9 @@
 
 namespace springnet::learning {
 
+// The reason of a search that an error has ended.
+[[nodiscard]] std::string ended_by(const std::string& failure);
+
 // Legs are told to the program as one search, and taken from the journal where they have been made before.
 struct Search {
   const LearnOptions& options;
@@ -22,9 +26,12 @@ struct Search {
   std::vector<LearnProgress>& history;
   int start = 0, stage = 0, stages = 1;  // of the next leg
   bool stopped = false;
-  double work = 0.0;  // see LearnProgress; Fit::count_in()
+  std::string failure{};  // an error that ended the search from this start, after it had found better values
+  double work = 0.0;      // see LearnProgress; Fit::count_in()
 
-  // is_last: others lead to a search that goes on from there.
+  [[nodiscard]] bool is_over() const noexcept { return stopped || !failure.empty(); }
+  // is_last: others lead to a search that goes on from there. An error ends the search with the best values until then;
+  // it is thrown if they are those of the network, or of a plugin.
   [[nodiscard]] Minimum run(Fit& fit, const Eigen::VectorXd& from, double share, bool is_last);
 
  private:

@@ -16,7 +16,7 @@ namespace springnet::learning {
 
 namespace {
 
-constexpr std::string_view heading = "springnet search 1\n";
+constexpr std::string_view heading = "springnet search 2\n";
 constexpr std::string_view again = "; learn from the start";
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::input, "the state of a search " + what); }

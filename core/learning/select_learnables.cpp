@@ -1,12 +1,16 @@
 // "spring.stiffness@cube:together": what of a network is learned, as text.
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -141,12 +145,21 @@ std::vector<std::uint32_t> list(const Range& range, const Takes& takes) {
   return result;
 }
 
-constexpr std::string_view grammar =
-    "write spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME, rest_length, "
-    "reference, "
-    "mass, velocity, load or gravity, then @BODY for one body or @BODY/GROUP for one group of it alone, and :together "
-    "for "
-    "one value of all, or :field=DEGREE for a smooth field";
+// Of the grammar.
+namespace word {
+constexpr std::string_view spring = "spring.", viscosity = "viscosity.", element = "element.", neuron = "neuron.";
+constexpr std::string_view mass = "mass", velocity = "velocity", rest_length = "rest_length", reference = "reference",
+                           load = "load", gravity = "gravity";
+}  // namespace word
+
+std::string grammar() {
+  return fmt::format(
+      "write {0}NAME, {1}NAME, {2}{0}NAME, {2}{1}NAME, {3}NAME, {4}, {5}, {6}, {7}, {8} or {9}, then @BODY for one "
+      "body or @BODY/GROUP for one group of it alone, and :together for one value of all, or :field=DEGREE for a "
+      "smooth field",
+      word::spring, word::viscosity, word::element, word::neuron, word::rest_length, word::reference, word::mass,
+      word::velocity, word::load, word::gravity);
+}
 
 // "load", or "load@2" for one, by its number.
 std::vector<std::uint32_t> loads_of(const Network& network, const Selection& selection) {
@@ -187,13 +200,14 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
   Learnable result;
   result.together = selection.together;
   result.field_degree = selection.field_degree;
+  result.body = selection.body;
   LearnedValues& values = result.values;
-  if (selection.what == "load") {
+  if (selection.what == word::load) {
     values.kind = Kind::load;
     values.members = loads_of(network, selection);
     return result;
   }
-  if (selection.what == "gravity") {
+  if (selection.what == word::gravity) {
     values.kind = Kind::gravity;
     values.members = axes_of_gravity(network, selection);
     if (values.members.empty()) refuse(text, "this component is 0, and stays so with ':together'; leave that out");
@@ -215,16 +229,16 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
     rest.remove_prefix(with.size());
     return true;
   };
-  if (rest == "mass" || rest == "velocity") {
-    values.kind = rest == "mass" ? Kind::mass : Kind::initial_velocity;
+  if (rest == word::mass || rest == word::velocity) {
+    values.kind = rest == word::mass ? Kind::mass : Kind::initial_velocity;
     // Of a fixed node only reactions tell the mass, by its weight; where it has that of others, it follows them.
     const bool of_all = values.kind == Kind::mass && (result.together || result.field_degree >= 0);
     values.members = list(of.nodes, [&](std::uint32_t node) { return of.has_node(node) && (of_all || moves(node)); });
-  } else if (rest == "rest_length" || rest == "reference") {
+  } else if (rest == word::rest_length || rest == word::reference) {
     values.kind = Kind::rest_length;
-    values.of_elements = rest == "reference";
+    values.of_elements = rest == word::reference;
     values.members = list(values.of_elements ? of.elements : of.springs, has);
-  } else if (starts("neuron.")) {
+  } else if (starts(word::neuron)) {
     values.kind = Kind::neuron_parameter;
     values.parameter = rest;
     Declared declared(plugins, ComponentKind::neuron, rest);
@@ -233,9 +247,9 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
     });
     if (values.members.empty()) declared.none(text, "these neurons");
   } else {
-    values.of_elements = starts("element.");
-    const bool is_spring = starts("spring.");
-    if (!is_spring && !starts("viscosity.")) refuse(text, std::string(grammar));
+    values.of_elements = starts(word::element);
+    const bool is_spring = starts(word::spring);
+    if (!is_spring && !starts(word::viscosity)) refuse(text, grammar());
     values.kind = is_spring ? Kind::spring_parameter : Kind::viscosity_parameter;
     values.parameter = rest;
     Declared declared(plugins, is_spring ? ComponentKind::spring_function : ComponentKind::viscosity_function, rest);
@@ -248,6 +262,25 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
     if (values.members.empty()) declared.none(text, values.of_elements ? "these elements" : "these springs");
   }
   if (values.members.empty()) refuse(text, "there is nothing of this kind");
+  return result;
+}
+
+std::vector<Learnable> select_learnables(const Network& network, const PluginHost& plugins,
+                                         const std::vector<std::string>& texts) {
+  std::vector<Learnable> result;
+  using Key = std::tuple<Kind, bool, std::string, std::uint32_t>;
+  std::map<Key, std::size_t> known;  // the text that has selected it
+  for (std::size_t k = 0; k < texts.size(); ++k) {
+    result.push_back(select_learnable(network, plugins, texts[k]));
+    const LearnedValues& values = result.back().values;
+    for (const std::uint32_t member : values.members) {
+      const auto [at, is_new] = known.emplace(Key{values.kind, values.of_elements, values.parameter, member}, k);
+      if (is_new) continue;
+      refuse(texts[k], fmt::format("{} {} is among '{}', too; learn each value once, leave out one of the two, or name "
+                                   "bodies or groups that do not overlap",
+                                   member_name(values.kind, values.of_elements), member, printable(texts[at->second])));
+    }
+  }
   return result;
 }
 

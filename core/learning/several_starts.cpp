@@ -103,6 +103,7 @@ Minimum best_of_starts(Fit& fit, Search& search, Minimum first,
     if (!(found.cost < best.cost)) continue;
     best = std::move(found);
     history = result.history;
+    result.failure = search.failure;
   }
   result.history = std::move(history);
   constexpr double as_good = 1e-2, as_nothing = 1e-8;

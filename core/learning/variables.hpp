@@ -13,6 +13,10 @@
 namespace springnet::learning {
 
 [[nodiscard]] std::vector<LearnedValues> values_of(const std::vector<Learnable>& learnables);
+[[nodiscard]] inline std::size_t value_count(const Learnable& learnable) {
+  const bool is_vector = learnable.values.kind == LearnedValues::Kind::initial_velocity;
+  return (is_vector ? 3 : 1) * learnable.values.members.size();
+}
 
 class Variables {
  public:

@@ -11,6 +11,8 @@
 
 #include <springnet/error.hpp>
 
+#include "learning/variables.hpp"
+
 namespace springnet {
 
 namespace {
@@ -27,10 +29,6 @@ constexpr double no_influence = 1e-9;  // rounding over the step
 double relative_width(const SceneGuess& guess) {
   if (guess.is_logarithmic) return std::numbers::ln10 * guess.width;
   return guess.value == 0.0 ? 0.0 : guess.width / std::abs(guess.value);
-}
-
-std::size_t value_count(const Learnable& learnable) {
-  return learnable.values.members.size() * (learnable.values.kind == LearnedValues::Kind::initial_velocity ? 3 : 1);
 }
 
 }  // namespace
@@ -66,7 +64,7 @@ void GuessedValues::set_widths(std::vector<Learnable>& learnables) const {
   if (guesses_.empty()) return;
   Index first = 0;
   for (Learnable& each : learnables) {
-    const auto count = static_cast<Index>(value_count(each));
+    const auto count = static_cast<Index>(learning::value_count(each));
     const auto own = influence_.middleRows(first, count);
     first += count;
     VectorXd square = VectorXd::Zero(count);

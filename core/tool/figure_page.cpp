@@ -18,8 +18,12 @@ std::string panels_of(const figure::Drawing& drawing) {
   nlohmann::json panels = nlohmann::json::array();
   for (const figure::PlacedPanel& placed : drawing.panels) {
     nlohmann::json curves = nlohmann::json::array();
-    for (const figure::FigureCurve& curve : placed.panel->curves)
+    for (const figure::FigureCurve& curve : placed.panel->curves) {
       curves.push_back({{"label", curve.label}, {"x", curve.x}, {"y", curve.y}});
+      if (curve.from.empty()) continue;
+      curves.back()["from"] = curve.from;
+      curves.back()["to"] = curve.to;
+    }
     panels.push_back({{"frame", {placed.left, placed.top, placed.right, placed.bottom}},
                       {"x", {placed.x_low, placed.x_high}},
                       {"y", {placed.y_low, placed.y_high}},

@@ -5,6 +5,9 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <springnet/learn.hpp>
@@ -17,9 +20,9 @@
 #include "learn_experiments.hpp"
 #include "learn_guesses.hpp"
 #include "learn_page.hpp"
+#include "learn_report.hpp"
 #include "process.hpp"
 #include "progress.hpp"
-#include "text_table.hpp"
 
 namespace springnet::tool {
 
@@ -55,7 +58,8 @@ Examples:
   springnet learn liver.toml --observations scan.csv --parameters spring.stiffness@liver:field=2
 
 Exit status:
-  0 done   1 no value was found   2 usage, scene or observations   3 plugin)";
+  0 done   1 no value was found, or an error ended the search early; the files then have the best values
+  2 usage, scene or observations   3 plugin)";
 
 constexpr const char* widths_rule = "widths";
 
@@ -70,6 +74,7 @@ struct LearnArguments {
   bool compare = false;
   std::string optimiser;
   int iterations = 100;
+  double tolerance = LearnOptions{}.tolerance;
   int starts = 1;
   double start_factor = LearnOptions{}.start_factor;
   int certainty_products = LearnOptions{}.certainty_products;
@@ -80,8 +85,10 @@ struct LearnArguments {
   std::string guess_weight = widths_rule;
   bool correct_rules = false;
   std::vector<std::filesystem::path> held_out;
+  std::set<std::string> given;  // options that stand on the command line
 };
 
+constexpr const char* online_method = "online";
 constexpr const char* learned_file = "learned.toml";
 constexpr const char* learning_file = "learning.json";
 constexpr const char* page_file = "learning.html";
@@ -92,22 +99,40 @@ constexpr const char* learned_stem = "learned";  // of learned_springs.csv, lear
 
 constexpr Optimiser optimisers[] = {Optimiser::levenberg_marquardt, Optimiser::lbfgs, Optimiser::descent};
 
+// Throws Error(input) for options that would have no meaning.
 void check(const LearnArguments& arguments) {
-  const bool is_online = arguments.method == "online";
-  const std::pair<const char*, bool> of_several_runs[] = {{"--experiment", !arguments.experiments.empty()},
-                                                          {"--starts", arguments.starts > 1},
-                                                          {"--resume", arguments.resume}};
-  for (const auto& [name, is_given] : of_several_runs) {
-    if (is_given && is_online)
-      throw Error(ErrorKind::input,
-                  fmt::format("{} is of --method trajectory; 'online' goes through one motion once", name));
-    if (is_given && arguments.compare)
-      throw Error(ErrorKind::input, fmt::format("--compare shows both methods from one start through one motion, from "
-                                                "its beginning: leave out {}",
-                                                name));
+  const bool is_online = arguments.method == online_method;
+  const auto refuse = [](const std::string& message) { throw Error(ErrorKind::input, message); };
+  const auto is_given = [&](const char* name) { return arguments.given.contains(name); };
+  for (const char* const of_several_runs : {"--experiment", "--starts", "--start-factor", "--seed", "--resume"}) {
+    if (!is_given(of_several_runs)) continue;
+    if (is_online)
+      refuse(fmt::format("{} is of --method trajectory; 'online' goes through one motion once", of_several_runs));
+    if (arguments.compare)
+      refuse(
+          fmt::format("--compare shows both methods from one start through one motion, from its beginning: leave "
+                      "out {}",
+                      of_several_runs));
   }
-  if (is_online && !arguments.compare && !arguments.optimiser.empty())
-    throw Error(ErrorKind::input, "--optimiser is of --method trajectory; with 'online' it needs --compare");
+  for (const char* const of_trajectory :
+       {"--optimiser", "--iterations", "--tolerance", "--guess-weight", "--correct-rules", "--certainty-products"})
+    if (is_given(of_trajectory) && is_online && !arguments.compare)
+      refuse(fmt::format("{} is of --method trajectory; with 'online' it needs --compare", of_trajectory));
+  if (is_given("--rate") && !is_online && !arguments.compare)
+    refuse("--rate is of --method online; the search for a whole motion finds the length of its steps itself");
+  for (const char* const of_starts : {"--start-factor", "--seed"})
+    if (is_given(of_starts) && arguments.starts == 1)
+      refuse(fmt::format("{} is of searches from several starts; add --starts N", of_starts));
+}
+
+// The same of what the tables decide.
+void check(const LearnArguments& arguments, const std::vector<Experiment>& experiments) {
+  const bool has_points = std::any_of(experiments.begin(), experiments.end(), [](const Experiment& each) {
+    return !each.observations.surface_points.empty() || !each.held_out.surface_points.empty();
+  });
+  if (arguments.given.contains("--outlier-distance") && !has_points)
+    throw Error(ErrorKind::input,
+                "--outlier-distance is of points of the surface (time,x,y,z), and the tables have none; leave it out");
 }
 
 // Throws Error(input) if there is none.
@@ -136,83 +161,12 @@ void set_guess_weight(LearnOptions& options, const std::string& text) {
   }
 }
 
-// With the width alone where the ends do not differ in the digits that are shown.
-std::string interval_of(const LearnedParameter& each) {
-  const std::string lower = fmt::format("{:.6g}", each.lower), upper = fmt::format("{:.6g}", each.upper);
-  if (lower != upper) return lower + " to " + upper;
-  return fmt::format("{} ± {:.1g}", lower, 0.5 * (each.upper - each.lower));
-}
-
-// One row for each variable; two for a field, where it is least and greatest.
-std::string table_of(const LearnedNet& learned) {
-  constexpr std::size_t most = 12;
-  std::vector<std::vector<std::string>> rows{{"VALUE", "START", "LEARNED", "95 % INTERVAL", "HALF THE TIME STEP ADDS"}};
-  std::size_t variable = 0, left_out = 0;
-  const auto add = [&](const LearnedParameter& each, const char* which) {
-    if (rows.size() > most) {
-      ++left_out;
-      return;
-    }
-    std::string interval = std::isfinite(each.determined) ? "not determined" : "not known";
-    if (std::isfinite(each.upper)) interval = interval_of(each);
-    if (each.at_bound) interval += ", at its bound";
-    rows.push_back({value_title(each) + which, fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value),
-                    interval,
-                    std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"});
-  };
-  for (const LearnedParameter& each : learned.parameters) {
-    if (each.variable != variable) continue;  // of one that stands there already
-    variable += each.variables;
-    if (each.variables == 1) {
-      add(each, "");
-      continue;
-    }
-    const LearnedParameter *least = &each, *greatest = &each;
-    for (const LearnedParameter& other : learned.parameters) {
-      if (other.variable != each.variable) continue;
-      if (other.value < least->value) least = &other;
-      if (other.value > greatest->value) greatest = &other;
-    }
-    add(*least, ", least of the field");
-    add(*greatest, ", greatest of the field");
-  }
-  std::string text = align_columns(rows);
-  if (left_out > 0) text += fmt::format("  and {} more, in {}\n", left_out, learning_file);
-  return text;
-}
-
-std::string report_of(const LearnedNet& learned) {
-  std::string text = fmt::format(
-      "{} variables from {} observed values\n  cost {:.6g} at first, {:.6g} at the end, rms of the "
-      "weighted differences {:.4g}, {} iterations\n  {}\n\n{}",
-      learned.variables, learned.observed, learned.start_cost, learned.cost, learned.rms,
-      learned.history.empty() ? 0 : learned.history.back().iteration, learned.reason, table_of(learned));
-  if (learned.undetermined > 0) {
-    text += fmt::format(
-        "\n  {} combinations of the variables have no influence on what was observed. Values that they "
-        "touch are not determined; they stay near their start.\n",
-        learned.undetermined);
-  }
-  if (!learned.guess_curve.empty())
-    text += fmt::format("\n  weight of the guess: {:.4g}, from {} tried\n", learned.guess_weight,
-                        learned.guess_curve.size());
-  if (learned.held_out.observed > 0) {
-    text += fmt::format("\n  held out: {} values, rms of their weighted differences {:.4g} at first, {:.4g} at the end",
-                        learned.held_out.observed, learned.held_out.start_rms, learned.held_out.rms);
-    if (std::isfinite(learned.held_out.half_step_rms))
-      text += fmt::format(", about {:.4g} with half the time step", learned.held_out.half_step_rms);
-    text += "\n";
-  }
-  if (!learned.courses.empty()) text += comparison_table(learned.courses);
-  for (const std::string& note : learned.notes) text += fmt::format("  note: {}\n", note);
-  return text;
-}
-
 // "iteration  12,  50 % of the time: cost 0.0123, rms 0.045"
 std::string text_of(const LearnProgress& now, int starts) {
   const std::string start = starts > 1 ? fmt::format("start {} of {}, ", now.start + 1, starts) : "";
-  return fmt::format("{}iteration {:3}, {:5.3g} % of the time: cost {:.6g}, rms {:.4g}", start, now.iteration,
-                     100.0 * now.share, now.cost, now.rms);
+  const std::string guess = now.guess_weight > 0.0 ? fmt::format(", guess weight {:.3g}", now.guess_weight) : "";
+  return fmt::format("{}iteration {:3}, {:5.3g} % of the time: cost {:.6g}, rms {:.4g}{}", start, now.iteration,
+                     100.0 * now.share, now.cost, now.rms, guess);
 }
 
 int run(const LearnArguments& arguments) {
@@ -220,14 +174,13 @@ int run(const LearnArguments& arguments) {
   outlive_readers();
   const auto host = arguments.scene.plugins.load();
   Scene scene = arguments.scene.load(*host);
-  std::vector<Learnable> learnables;
-  for (const std::string& each : arguments.parameters)
-    learnables.push_back(select_learnable(scene.network, *host, each));
+  std::vector<Learnable> learnables = select_learnables(scene.network, *host, arguments.parameters);
   const std::unique_ptr<const GuessedValues> guesses = guesses_of(arguments.scene, host, learnables);
   if (guesses) guesses->set_widths(learnables);
   if (arguments.correct_rules && !guesses)
     throw Error(ErrorKind::input, "--correct-rules: no value that is learned comes from words of the scene");
   std::vector<Experiment> experiments{experiment_of(scene, arguments.observations)};
+  experiments.front().name = arguments.scene.file.string();
   std::vector<Scene> scenes{scene};
   for (const std::string& each : arguments.experiments) {
     SceneExperiment own = experiment_of(each, arguments.scene, *host);
@@ -237,6 +190,7 @@ int run(const LearnArguments& arguments) {
   Experiment& experiment = experiments.front();
   if (!arguments.held_out.empty()) experiment.held_out = observations_of(scene, arguments.held_out);
   for (Experiment& each : experiments) each.observations.outlier_distance = arguments.outlier_distance;
+  check(arguments, experiments);
   const OutputFolder::Pointer folder =
       arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file, rules_file});
 
@@ -253,6 +207,7 @@ int run(const LearnArguments& arguments) {
   if (arguments.resume) options.state = read_state(*folder);
   options.on_state = [&](const std::string& state) { write_whole({folder, state_file}, state); };
   options.max_iterations = arguments.iterations;
+  options.tolerance = arguments.tolerance;
   options.memory = static_cast<std::size_t>(arguments.memory * (1 << 20));
   set_guess_weight(options, arguments.guess_weight);
   const auto show_iteration = [&](const LearnProgress& now) {
@@ -273,9 +228,10 @@ int run(const LearnArguments& arguments) {
   OnlineOptions online;
   online.rate = arguments.rate;
   online.memory = options.memory;
-  if (arguments.method == "online") experiment.options.threads = scene.options.threads;
-  LearnedNet learned = arguments.method == "online" ? learn_online(experiment, host, learnables, online, on_step)
-                                                    : learn(experiments, host, learnables, options);
+  const bool is_online = arguments.method == online_method;
+  if (is_online) experiment.options.threads = scene.options.threads;
+  LearnedNet learned = is_online ? learn_online(experiment, host, learnables, online, on_step)
+                                 : learn(experiments, host, learnables, options);
   if (arguments.compare)
     add_courses(learned, arguments.method, told,
                 {experiment, host, learnables, options, online, show_iteration, show_step});
@@ -287,30 +243,34 @@ int run(const LearnArguments& arguments) {
   if (arguments.correct_rules) {
     const CorrectedRules corrected = corrected_rules(*guesses, learned, arguments.scene);
     learned.notes.insert(learned.notes.end(), corrected.notes.begin(), corrected.notes.end());
-    write_whole({folder, rules_file}, corrected.fcl);
+    if (!corrected.fcl.empty()) write_whole({folder, rules_file}, corrected.fcl);
   }
   scene.network = with_values(experiment.network, host, learnables, learned.values);
   const std::string json = to_json(learned);
   write_whole({folder, learning_file}, json);
+  const SceneWithTables with_tables = to_scene_with_tables(scene, *host, learned_stem);
+  for (const SceneTable& each : with_tables.tables) write_whole({folder, each.name}, each.text);
+  write_whole({folder, learned_file}, with_tables.scene);  // before the page, whose motions may fail
   std::vector<LearnedMotion> motions;
   for (std::size_t k = 0; k < experiments.size(); ++k) {
     scenes[k].network = with_values(experiments[k].network, host, learnables, learned.values);
     motions.push_back({std::move(scenes[k]), experiments[k]});
   }
   write_learning_page({folder, page_file}, motions, host, learned);
-  const SceneWithTables with_tables = to_scene_with_tables(scene, *host, learned_stem);
-  for (const SceneTable& each : with_tables.tables) write_whole({folder, each.name}, each.text);
-  write_whole({folder, learned_file}, with_tables.scene);
   if (!learned.stopped) remove_output({folder, state_file});
   if (arguments.output.json) {
     fmt::print("{}", json);
   } else if (!arguments.output.quiet) {
-    print_report(fmt::format("{}\n  written: {}, {}, {} in {}\n{}", report_of(learned), learned_file, learning_file,
-                             page_file, folder->path().string(),
-                             learned.stopped ? "  with --resume the search goes on where it was stopped\n" : ""));
+    const bool goes_on = learned.stopped && !is_online;
+    print_report(fmt::format("{}\n  written: {}, {}, {} in {}\n{}", report_of(learned, learning_file), learned_file,
+                             learning_file, page_file, folder->path().string(),
+                             goes_on ? "  with --resume the search goes on where it was stopped\n" : ""));
   }
   std::fflush(stdout);
-  return done;
+  if (learned.failure.empty()) return done;
+  print_error(
+      fmt::format("{}; the files in {} have the best values until then", learned.failure, folder->path().string()));
+  return failed;
 }
 
 }  // namespace
@@ -353,9 +313,19 @@ void add_learn(CLI::App& app, Action& action) {
                    "Of --method online: how far each gradient step goes, above 0 to 1 [0.05]")
       ->type_name("R")
       ->check(number_between(above_zero, 1.0));
-  command->add_option("--iterations", arguments->iterations, "The most iterations of the search [100]")
+  command
+      ->add_option("--iterations", arguments->iterations,
+                   "The most iterations over the whole motion, of each start; those before, over its first parts and "
+                   "with other weights of the guess, are up to 30 each, and no more than this [100]")
       ->type_name("N")
       ->check(number_between(0, 1e6));
+  command
+      ->add_option(
+          "--tolerance", arguments->tolerance,
+          "A search ends when the cost falls by less than this share of itself in an iteration, or the step or "
+          "the gradient are as small [1e-10]")
+      ->type_name("T")
+      ->check(number_between(above_zero, 1.0));
   command
       ->add_option("--starts", arguments->starts,
                    "Searches: the first from the scene's values, others from each value times a factor at random; the "
@@ -406,7 +376,11 @@ void add_learn(CLI::App& app, Action& action) {
       ->check(number_between(above_zero, finite));
   arguments->output.add_to(*command);
   command->footer(learn_examples);
-  command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
+  command->callback([arguments, command, &action] {
+    for (const CLI::Option* const each : command->get_options())
+      if (each->count() > 0) arguments->given.insert(each->get_name());
+    action = [arguments] { return run(*arguments); };
+  });
 }
 
 }  // namespace springnet::tool

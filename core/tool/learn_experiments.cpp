@@ -39,6 +39,7 @@ SceneExperiment experiment_of(const std::string& text, const SceneArguments& fir
   arguments.file = text.substr(0, sign);
   Scene scene = arguments.load(host);
   Experiment experiment = experiment_of(scene, files);
+  experiment.name = arguments.file.string();
   return {std::move(scene), std::move(experiment)};
 }
 

@@ -47,9 +47,10 @@ std::unique_ptr<const GuessedValues> guesses_of(const SceneArguments& scene,
 CorrectedRules corrected_rules(const GuessedValues& guesses, const LearnedNet& learned, const SceneArguments& scene) {
   const std::vector<GuessedValues::Found> found = guesses.examples(learned);
   if (found.empty())
-    throw Error(ErrorKind::input,
-                "--correct-rules: what was learned does not tell what the guesses should have been; learn values that "
-                "words stand for, and of which the observations determine enough");
+    return {
+        "",
+        {"What was learned does not tell what the guesses should have been: learned.fcl is not written. Learn values "
+         "that words stand for, and of which the observations determine enough."}};
   std::vector<fuzzy::Example> examples;
   for (const GuessedValues::Found& each : found) examples.push_back(each.example);
   const SceneGuess& first = guesses.guesses().front();

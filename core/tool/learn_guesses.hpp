@@ -17,10 +17,10 @@ namespace springnet::tool {
                                                               const std::vector<Learnable>& learnables);
 
 struct CorrectedRules {
-  std::string fcl;                 // the rule base with terms that would have guessed what was learned
-  std::vector<std::string> notes;  // one for each guess
+  // The rule base with terms that would have guessed what was learned; empty if no learned value tells that.
+  std::string fcl;
+  std::vector<std::string> notes;  // one for each guess, or why there is none
 };
-// Throws Error(input) if no learned value tells what a guess should have been.
 [[nodiscard]] CorrectedRules corrected_rules(const GuessedValues& guesses, const LearnedNet& learned,
                                              const SceneArguments& scene);
 

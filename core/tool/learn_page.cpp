@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@
 #include <springnet/view.hpp>
 
 #include "figure_page.hpp"
+#include "learn_report.hpp"
 
 namespace springnet::tool {
 
@@ -24,27 +26,67 @@ using figure::Figure;
 using figure::FigureCurve;
 using figure::FigurePanel;
 
-// Of each stage a curve: each learns from more of the motion.
-Figure course_of(const LearnedNet& learned) {
+// Of each stage a curve: each learns from more of the motion. Weights of the guess that a rule tries share the last
+// one; lines mark where another one begins. Learning while the net moves is one curve.
+Figure search_course(const LearnedNet& learned) {
   Figure result{
       "Course of the search",
       {fmt::format("{} variables, {} observed values. {}", learned.variables, learned.observed, learned.reason)},
       {}};
+  const std::vector<LearnProgress>& history = learned.history;
+  if (history.empty()) return result;
+  constexpr std::size_t most_stages = 8, most_markers = 60;  // that can be told apart
+  std::set<double> shares;
+  for (const LearnProgress& each : history) shares.insert(each.share);
+  const bool has_stages = shares.size() > 1 && shares.size() <= most_stages;
   FigurePanel panel;
-  panel.x_label = "iteration";
+  panel.x_label = has_stages || history.front().share >= 1.0 ? "iteration" : "time step";
   panel.y_label = "log10 of the rms of weighted differences";
   panel.has_plain_lines = true;
   double share = -1.0;
-  for (const LearnProgress& each : learned.history) {
-    if (each.share != share && (panel.curves.empty() || learned.history.front().share < 1.0) &&
-        panel.curves.size() < 8) {
+  for (std::size_t k = 0; k < history.size(); ++k) {
+    const LearnProgress& each = history[k];
+    if (panel.curves.empty() || (has_stages && each.share != share)) {
       share = each.share;
-      panel.curves.push_back({fmt::format("{:g} % of the time", 100.0 * share), {}, {}, false, true});
+      panel.curves.push_back({has_stages ? fmt::format("{:g} % of the time", 100.0 * share) : "",
+                              {},
+                              {},
+                              false,
+                              history.size() <= most_markers});
     }
+    if (k > 0 && each.guess_weight != history[k - 1].guess_weight && each.share == history[k - 1].share)
+      panel.marks.push_back({static_cast<double>(each.iteration), static_cast<double>(each.iteration), ""});
     panel.curves.back().x.push_back(each.iteration);
     panel.curves.back().y.push_back(std::log10(each.rms));
   }
-  if (!panel.curves.empty()) result.panels.push_back(std::move(panel));
+  if (learned.guess_weight > 0.0)
+    result.notes.push_back(
+        fmt::format("The differences are those from the observations, without the part of the "
+                    "guess. {}Its weight is {:.3g} at the end.",
+                    panel.marks.empty() ? "" : "Vertical lines: another weight of the guess. ", learned.guess_weight));
+  result.panels.push_back(std::move(panel));
+  return result;
+}
+
+// What each weight of the guess has found: differences from the observations against the distance from the guess.
+Figure weights_of_guess(const LearnedNet& learned) {
+  Figure result{"Weight of the guess",
+                {fmt::format("Each point is a search with another weight; {:.3g} was taken.", learned.guess_weight)},
+                {}};
+  FigurePanel panel;
+  panel.x_label = "log10 of the rms of weighted differences";
+  panel.y_label = "log10 of the rms of relative changes from the guess";
+  panel.is_path = true;
+  FigureCurve tried{"tried", {}, {}, false, true}, taken{"taken", {}, {}, false, true, false};
+  for (const GuessPoint& each : learned.guess_curve) {
+    for (FigureCurve* const curve : {&tried, &taken}) {
+      if (curve == &taken && each.weight != learned.guess_weight) continue;
+      curve->x.push_back(std::log10(each.rms));
+      curve->y.push_back(std::log10(each.distance));
+    }
+  }
+  panel.curves = {std::move(tried), std::move(taken)};
+  result.panels.push_back(std::move(panel));
   return result;
 }
 
@@ -86,36 +128,9 @@ Figure comparison_of(const LearnedNet& learned) {
   return result;
 }
 
-// Values of one kind over their members: start, learned, ends of the intervals.
-std::vector<Figure> values_of(const LearnedNet& learned) {
-  std::map<std::string, std::vector<const LearnedParameter*>> kinds;
-  for (const LearnedParameter& each : learned.parameters) kinds[name_of(each)].push_back(&each);
-  std::vector<Figure> result;
-  for (const auto& [name, list] : kinds) {
-    const LearnedParameter& first = *list.front();
-    FigurePanel panel;
-    panel.x_label = member_name(first.kind, first.of_elements);
-    panel.y_label = name;
-    FigureCurve start{"start", {}, {}, true, false}, value{"learned", {}, {}, false, true};
-    FigureCurve lower{"95 % interval", {}, {}, true, false}, upper{"", {}, {}, true, false};
-    std::size_t open = 0;
-    for (const LearnedParameter* const each : list) {
-      for (FigureCurve* const curve : {&start, &value, &lower, &upper}) curve->x.push_back(each->member);
-      start.y.push_back(each->start);
-      value.y.push_back(each->value);
-      lower.y.push_back(each->lower);
-      upper.y.push_back(each->upper);
-      if (!std::isfinite(each->upper)) ++open;
-    }
-    panel.curves = {std::move(start), std::move(value), std::move(lower), std::move(upper)};
-    Figure figure{name, {}, {}};
-    if (open > 0)
-      figure.notes.push_back(
-          fmt::format("{} of {} have no interval: the data do not determine them.", open, list.size()));
-    figure.panels.push_back(std::move(panel));
-    result.push_back(std::move(figure));
-  }
-  return result;
+// Loads and gravity have no place.
+bool is_on_body(const LearnedParameter& parameter) {
+  return parameter.kind != LearnedValues::Kind::load && parameter.kind != LearnedValues::Kind::gravity;
 }
 
 ViewValues::Of members_of(const LearnedParameter& parameter) {
@@ -163,12 +178,47 @@ std::string unit_of(const LearnedParameter& each, const Network& network, const 
              : unit_in(plugins, ComponentKind::viscosity_function, material.viscosity, each.parameter);
 }
 
+// Values of one kind over their members, where these have values of their own: start, learned, intervals.
+std::vector<Figure> values_of(const LearnedNet& learned, const Network& network, const PluginHost& plugins) {
+  std::map<std::string, std::vector<const LearnedParameter*>> kinds;
+  for (const LearnedParameter& each : learned.parameters)
+    if (!each.together) kinds[name_of(each)].push_back(&each);
+  std::vector<Figure> result;
+  for (const auto& [name, list] : kinds) {
+    if (list.size() < 2) continue;  // which the table tells
+    const LearnedParameter& first = *list.front();
+    const std::string unit = unit_of(first, network, plugins);
+    FigurePanel panel;
+    panel.x_label = fmt::format("number of the {}", member_name(first.kind, first.of_elements));
+    panel.y_label = name + (unit.empty() ? "" : ", " + unit);
+    FigureCurve value{"learned, with its 95 % interval", {}, {}, false, true, false};
+    FigureCurve start{"start", {}, {}, true, true, false};
+    std::size_t open = 0;
+    for (const LearnedParameter* const each : list) {
+      for (FigureCurve* const curve : {&start, &value}) curve->x.push_back(each->member);
+      start.y.push_back(each->start);
+      value.y.push_back(each->value);
+      value.from.push_back(each->lower);
+      value.to.push_back(each->upper);
+      if (!std::isfinite(each->upper)) ++open;
+    }
+    panel.curves = {std::move(value), std::move(start)};
+    Figure figure{name, {}, {}};
+    if (open > 0)
+      figure.notes.push_back(fmt::format(
+          "{} of {} have no interval: {}.", open, list.size(),
+          std::isfinite(first.determined) ? "the data do not determine them" : "what the data determine is not known"));
+    figure.panels.push_back(std::move(panel));
+    result.push_back(std::move(figure));
+  }
+  return result;
+}
+
 // Values of one name and unit, in the order in which they were asked for.
 std::vector<ViewValues> painted(const LearnedNet& learned, const Network& network, const PluginHost& plugins) {
   std::vector<ViewValues> result;
   for (const LearnedParameter& each : learned.parameters) {
-    if (each.kind == LearnedValues::Kind::load || each.kind == LearnedValues::Kind::gravity)
-      continue;  // which have no place on the body
+    if (!is_on_body(each)) continue;
     const ViewValues::Of of = members_of(each);
     const std::string name = name_of(each), unit = unit_of(each, network, plugins);
     auto found = std::find_if(result.begin(), result.end(), [&](const ViewValues& known) {
@@ -237,26 +287,30 @@ void play(const LearnedMotion& motion, const std::shared_ptr<const PluginHost>& 
 }  // namespace
 
 std::string value_title(const LearnedParameter& parameter) {
-  if (parameter.kind == LearnedValues::Kind::gravity) return name_of(parameter);
-  return fmt::format("{} of {} {}", name_of(parameter), member_name(parameter.kind, parameter.of_elements),
-                     parameter.member);
+  const std::string name =
+      name_of(parameter) + (parameter.body.empty() || !is_on_body(parameter) ? "" : "@" + parameter.body);
+  if (parameter.together) return name + ":together";
+  if (parameter.kind == LearnedValues::Kind::gravity) return name;
+  return fmt::format("{} of {} {}", name, member_name(parameter.kind, parameter.of_elements), parameter.member);
 }
 
 void write_learning_page(const OutputFile& file, const std::vector<LearnedMotion>& motions,
                          const std::shared_ptr<const PluginHost>& plugins, const LearnedNet& learned) {
-  std::vector<Figure> figures{course_of(learned)};
-  if (!learned.courses.empty()) figures.push_back(comparison_of(learned));
-  for (Figure& each : values_of(learned)) figures.push_back(std::move(each));
   const Network& network = *motions.front().before.network;
+  std::vector<Figure> figures{search_course(learned)};
+  if (!learned.guess_curve.empty()) figures.push_back(weights_of_guess(learned));
+  if (!learned.courses.empty()) figures.push_back(comparison_of(learned));
+  for (Figure& each : values_of(learned, network, *plugins)) figures.push_back(std::move(each));
   const double size = motions.front().scene.output.view_size, share = 1.0 / static_cast<double>(motions.size());
   std::unique_ptr<ViewWriter> page;
   for (const LearnedMotion& motion : motions) {
     const auto view = std::make_shared<LearnedView>();
     view->values = painted(learned, network, *plugins);
     view->notes = learned.notes;
+    if (!learned.fit.warning.empty()) view->notes.insert(view->notes.begin(), learned.fit.warning);
     add_places(motion.before.observations, false, *view);
     add_places(motion.before.held_out, true, *view);
-    if (!page) view->below = part_of_page(figures);
+    if (!page) view->below = learned_table(learned) + part_of_page(figures);
     const ViewOptions options{size, plugins, view, share};
     ViewWriter* to = page.get();
     if (page) {

@@ -11,7 +11,7 @@
 
 namespace springnet::tool {
 
-// "spring.stiffness of spring 3", "gravity.z"
+// "spring.stiffness@bar of spring 3", "spring.stiffness@bar:together", "gravity.z"
 [[nodiscard]] std::string value_title(const LearnedParameter& parameter);
 
 // An experiment: its scene with the values that were learned, and what it was before.

@@ -107,8 +107,7 @@ int run(const SensitivityArguments& arguments) {
   SceneArguments of_reference = arguments.scene;
   if (!of_reference.integrator) of_reference.integrator = reference;
   const Scene scene = of_reference.load(*host);
-  std::vector<Learnable> of;
-  for (const std::string& each : arguments.parameters) of.push_back(select_learnable(scene.network, *host, each));
+  const std::vector<Learnable> of = select_learnables(scene.network, *host, arguments.parameters);
   ReferenceSensitivities motion(std::make_shared<const Network>(scene.network), host, scene.options, of);
   const OutputFolder::Pointer folder = arguments.output.open_for(arguments.scene.file, {table_file});
 

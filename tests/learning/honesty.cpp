@@ -120,6 +120,71 @@ TEST_CASE("the weight of the guess is chosen by rule, and tames what is badly de
             "give the observations standard deviations"));
 }
 
+TEST_CASE("differences that are no noise are told, and noise is not") {
+  const std::vector<double> guess(6, 1.0);
+  const std::vector<NodeIndex> nodes{2, 4, 6};
+  const LearnedNet good = learn_masses(guess, seen_with(0.002, 1, nodes));
+  CHECK(good.fit.warning.empty());
+  CHECK(std::abs(good.fit.correlation_in_time) < 0.2);  // 351 pairs: deviation 0.05
+  CHECK(learn_masses(guess, seen_with(0.0, 1, nodes)).fit.warning.empty());
+  // The same noise, with standard deviations that are too small; without any, where it is large beside the motion.
+  Observations bold = seen_with(0.002, 1, nodes), plain = seen_with(0.1, 1, nodes);
+  for (auto& each : bold.positions) each.weight *= 25.0;
+  for (auto& each : plain.positions) each.weight = Vector3::Ones();
+  const LearnedNet bolder = learn_masses(guess, bold);
+  CHECK(has(bolder.fit.warning, "where the standard deviations say 1"));
+  CHECK(bolder.fit.share_of_motion == doctest::Approx(good.fit.share_of_motion).epsilon(1e-3));
+  CHECK(learn_masses(guess, plain).fit.warning.empty());
+  // Masses alone cannot make up for springs that are three times as stiff, with or without standard deviations.
+  Network wrong = hanging(guess);
+  wrong.set_gravity({0, 0, -6});
+  for (const double noise : {0.0, 0.002}) {
+    CAPTURE(noise);
+    const LearnedNet bad = learn({experiment(wrong, half_steps, seen_with(noise, 1, nodes))}, plugins(), {all_masses});
+    CAPTURE(bad.fit.share_of_motion);
+    CHECK(bad.fit.correlation_in_time > 0.5);
+    CHECK(has(bad.fit.warning, "correlated in time"));
+    CHECK(has(to_json(bad), "\"warning\": \""));
+  }
+  CHECK(has(to_json(good), "\"warning\": null"));
+}
+
+TEST_CASE("the history tells differences from the observations without the part of the guess, and its weights") {
+  LearnOptions options;
+  options.guess_weight = 1e2;
+  const std::vector<double> guess(6, 1.0);
+  const LearnedNet learned = learn_masses(guess, seen_with(0.002), options);
+  CHECK(learned.history.back().rms == doctest::Approx(learned.rms).epsilon(1e-9));
+  // Of the cost, the guess is a part.
+  CHECK(std::sqrt(2.0 * learned.cost / static_cast<double>(learned.observed)) > 1.01 * learned.rms);
+  for (const LearnProgress& each : learned.history) CHECK(each.guess_weight == doctest::Approx(1e2));
+  options.guess_rule = GuessRule::l_curve;
+  const LearnedNet ruled = learn_masses(guess, seen_with(0.002), options);
+  CHECK(ruled.history.back().guess_weight == doctest::Approx(ruled.guess_weight));
+  CHECK(ruled.history.back().rms == doctest::Approx(ruled.rms).epsilon(1e-9));
+  std::vector<double> weights;
+  for (const LearnProgress& each : ruled.history)
+    if (weights.empty() || weights.back() != each.guess_weight) weights.push_back(each.guess_weight);
+  CHECK(weights.size() > 3);
+}
+
+TEST_CASE("a value that the guess holds outside of its interval is told") {
+  LearnOptions options;
+  options.guess_weight = 1e6;
+  const Observations seen = seen_with(0.002, 1, {2, 4, 6});  // which determine all masses closely
+  const LearnedNet held = learn_masses(std::vector<double>(6, 1.0), seen, options);
+  int outside = 0;
+  for (const LearnedParameter& each : held.parameters) {
+    CHECK(each.is_outside == (each.value < each.lower || each.value > each.upper));
+    outside += each.is_outside ? 1 : 0;
+  }
+  CHECK(outside > 0);
+  CHECK(has_note(held, outside == 1 ? "is outside of its interval" : "are outside of their intervals"));
+  CHECK(has(to_json(held), "\"outside_interval\": true"));
+  const LearnedNet free = learn_masses(std::vector<double>(6, 1.0), seen);
+  for (const LearnedParameter& each : free.parameters) CHECK_FALSE(each.is_outside);
+}
+
 TEST_CASE("observations that are held out judge what was learned") {
   const std::vector<double> guess(6, 1.0);
   const auto judged = [&](Observations seen, Observations held_out) {
@@ -166,7 +231,8 @@ TEST_CASE("observations that are held out judge what was learned") {
   Experiment own = both.front();
   own.held_out = seen_with(0.0, 1, {5});
   CHECK(learn_online(own, plugins(), {all_masses}).held_out.observed == 120);
-  CHECK(has(refusal_of([&] { static_cast<void>(judged(seen_with(0.01), seen_with(0.01))); }), "a second time"));
+  CHECK(has(refusal_of([&] { static_cast<void>(judged(seen_with(0.01), seen_with(0.01))); }),
+            "are held out and learned from as well"));
   CHECK(has(refusal_of([&] { static_cast<void>(judged({}, seen_with(0.01))); }), "all observations are held out"));
 }
 
@@ -284,4 +350,14 @@ TEST_CASE("of more variables than have intervals it is told what products show")
     CHECK(std::isinf(each.upper));
     CHECK(std::isnan(each.determined));
   }
+  // One product settles nothing, and without a guess that has weight there is no share of it.
+  options.guess_weight = 0.0;
+  options.certainty_products = 1;
+  options.max_iterations = 0;
+  const LearnedNet little = learn({experiment(net, half_steps, observe(real, 6, from_to(0, half), 1e-3))}, plugins(),
+                                  {{{Kind::mass, false, "", from_to(0, 2 * half)}}}, options);
+  CHECK(little.singular_values.empty());
+  CHECK(has_note(little, "No singular value has settled after 1 product: allow more (--certainty-products)"));
+  CHECK_FALSE(has_note(little, "Shares of the guess"));
+  for (const LearnedParameter& each : little.parameters) CHECK(std::isnan(each.from_guess));
 }

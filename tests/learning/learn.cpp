@@ -275,6 +275,21 @@ TEST_CASE("what is learned is selected by text") {
   CHECK(has(refused("neuron.drag"), "no law of these neurons has a parameter 'drag'"));
 }
 
+TEST_CASE("selections that overlap are refused with both, and values know where they were selected") {
+  const Network net = cube(20.0, 4.0, 1.0, 0.1);
+  const auto refused = [&](const std::vector<std::string>& texts) {
+    return refusal_of([&] { static_cast<void>(select_learnables(net, *plugins(), texts)); });
+  };
+  const std::string message =
+      refused({"mass", "spring.stiffness@cube", "viscosity.damping", "spring.stiffness:together"});
+  CHECK(has(message, "'spring.stiffness:together'"));
+  CHECK(has(message, "spring 0 is among 'spring.stiffness@cube', too"));
+  CHECK(refused({"spring.stiffness", "viscosity.damping", "mass"}).empty());
+  const std::vector<Learnable> found = select_learnables(net, *plugins(), {"spring.stiffness@cube:together", "mass"});
+  CHECK(found[0].body == "cube");
+  CHECK(found[1].body.empty());
+}
+
 TEST_CASE("a group of a body is selected with the springs and elements that have all of their nodes in it") {
   Network net;
   net.begin_body("rope/1");

@@ -1,6 +1,7 @@
 // Learning while the net moves: sensitivities against the tangent, costs that fall, limits of memory.
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -159,6 +160,44 @@ TEST_CASE("both methods are compared by the cost of the whole motion, over the w
     cost += 0.5 * (again.position(each.node) - each.value).squaredNorm();
   }
   CHECK(early.cost == doctest::Approx(cost).epsilon(1e-8));
+}
+
+TEST_CASE("noise does not make the values run away while the net moves") {
+  // At first nothing has moved: the differences are noise, and sensitivities are small beside it.
+  const SimulationOptions options = to_learn_with(0.5, 0.05);
+  const auto guess = std::make_shared<const Network>(driven(24.0, 0.8));
+  Simulation real(driven(30.0, 1.0), plugins(), options), still(driven(30.0, 1.0), plugins(), options);
+  Observations seen = observe(real, 200, from_to(1, 6));
+  double square = 0.0;
+  for (const auto& each : seen.positions) square += (each.value - still.position(each.node)).squaredNorm();
+  const double noise = 0.01 * std::sqrt(square / static_cast<double>(seen.positions.size()));
+  Dice dice(3);
+  for (auto& each : seen.positions) each.value += noise * normal(dice);
+  for (const bool together : {true, false})
+    for (const double rate : {0.01, 0.05, 0.3}) {
+      CAPTURE(together);
+      CAPTURE(rate);
+      OnlineOptions online;
+      online.rate = rate;
+      double longest = 0.0;  // of a step, of logarithms and of multiples of the start
+      Eigen::VectorXd before;
+      const auto watch = [&](const LearnProgress& now) {
+        if (before.size() > 0)
+          longest = std::max(longest, (now.values - before).cwiseAbs().maxCoeff() / before.cwiseAbs().minCoeff());
+        before = now.values;
+        return true;
+      };
+      const LearnedNet learned =
+          learn_online({guess, options, seen}, plugins(),
+                       {{{Kind::spring_parameter, false, "stiffness", from_to(0, 5)}, together}}, online, watch);
+      CHECK(learned.cost < learned.start_cost);
+      // Half of the rate, relative to the start of the values.
+      CHECK(longest <= 0.5 * rate * 24.0 / 15.0);
+      for (const LearnedParameter& each : learned.parameters) {
+        CHECK(each.value > 15.0);
+        CHECK(each.value < 50.0);
+      }
+    }
 }
 
 TEST_CASE("online learning refuses sensitivities beyond its memory, and times of other steps") {

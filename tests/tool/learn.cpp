@@ -45,7 +45,8 @@ TEST_CASE("learn finds the values of a run, and writes a scene that runs with th
   CAPTURE(answer.err);
   REQUIRE(answer.status == 0);
   CHECK(has(answer.out, "2 variables from "));
-  CHECK(has(answer.out, "spring.stiffness of spring 0"));
+  CHECK(has(answer.out, "\n  spring.stiffness:together "));
+  CHECK(has(answer.out, "\n  viscosity.damping@bar:together "));
   CHECK(has(answer.err, "100 % of the time"));
   const std::string page = testing::read_text(folder.path() / "out/learning.html");
   CHECK(page.starts_with("<!DOCTYPE html>"));
@@ -95,6 +96,29 @@ TEST_CASE("the commands of learning.md that need nothing else find what the page
   const nlohmann::json learned = testing::read_json(folder.path() / "learned/learning.json");
   for (const auto& each : learned["parameters"])
     CHECK(each["value"].get<double>() == doctest::Approx(each["kind"] == "spring" ? 3.0 : 2.0).epsilon(1e-9));
+}
+
+TEST_CASE("the changes of learning.md are those of a scene that is learned from") {
+  const std::string page = testing::read_text(SPRINGNET_LEARNING_PAGE), begin = "```toml shrinks.toml\n";
+  const std::size_t at = page.find(begin) + begin.size();
+  const std::string changes = page.substr(at, page.find("```", at) - at);
+  const auto muscle = [&](double stiffness) {
+    std::string text = bar(stiffness, 3) + changes;
+    for (std::size_t k = text.find("\"bar\""); k != std::string::npos; k = text.find("\"bar\"", k))
+      text.replace(k, 5, "\"muscle\"");
+    return text.replace(text.find("duration = 0.6"), 14, "duration = 2.4");
+  };
+  const TemporaryFolder folder;
+  folder.write("real.toml", muscle(400));
+  folder.write("guess.toml", muscle(300));
+  const Answer run = testing::springnet(folder, "run real.toml -o seen --quiet");
+  CAPTURE(run.err);
+  REQUIRE(run.status == 0);
+  const Answer answer = testing::springnet(
+      folder, "learn guess.toml --observations seen/trajectory.csv --parameters spring.stiffness:together --json");
+  CAPTURE(answer.err);
+  REQUIRE(answer.status == 0);
+  CHECK(answer.json()["parameters"][0]["value"].get<double>() == doctest::Approx(400.0).epsilon(1e-5));
 }
 
 TEST_CASE("learn compares both methods by the cost of the whole motion, in the report, the result and the page") {
@@ -198,6 +222,53 @@ TEST_CASE("learn takes several experiments, optimisers and starts") {
       testing::springnet(folder, learn + "--experiment guess_pulled.toml=seen/trajectory.csv --json -o crossed");
   REQUIRE(crossed.status == 0);
   CHECK(crossed.json()["rms"].get<double>() > 1e-3);
+}
+
+TEST_CASE("learn warns of a bad fit, and keeps what it has found before an error") {
+  const TemporaryFolder folder;
+  folder.write("real.toml", bar(400, 3));
+  // Of another mass, which is not learned.
+  std::string heavy = bar(250, 1);
+  heavy.replace(heavy.find("-9.81"), 5, "-30.0");
+  folder.write("guess.toml", heavy);
+  REQUIRE(testing::springnet(folder, "run real.toml -o seen --quiet").status == 0);
+  const std::string learn = "learn guess.toml --observations seen/trajectory.csv --parameters ";
+  const Answer bad = testing::springnet(folder, learn + "viscosity.damping@bar:together,mass@bar -o bad");
+  CAPTURE(bad.err);
+  REQUIRE(bad.status == 0);
+  CHECK(has(bad.out, "\n  warning: The differences that are left are "));
+  CHECK(has(bad.out, "\n  mass@bar of node 0 "));
+  const std::string page = testing::read_text(folder.path() / "bad/learning.html");
+  CHECK(has(page, "<p class=\"warning\" role=\"alert\">The differences that are left are "));
+  CHECK(has(page, "<td>viscosity.damping@bar:together</td>"));
+  CHECK(has(page, "learned, with its 95 % interval"));
+  CHECK(testing::read_json(folder.path() / "bad/learning.json")["parameters"].back()["body"] == "bar");
+
+  // Softer springs reach a floor with a rigidly connected node, which is not differentiated at a located time.
+  const auto over_floor = [](double stiffness, const std::string& more) {
+    std::string text = bar(stiffness, 3) + "[[rigid]]\npairs = [[{ node = 0 }, { node = 1 }]]\n" + more;
+    return text.replace(text.find("theta = 0.5"), 11, "theta = 0.5, events = \"located\"");
+  };
+  folder.write("soft.toml", over_floor(100, ""));
+  folder.write("stiff.toml",
+               over_floor(800, "[[plane]]\nname = \"floor\"\npoint = [0, 0, -0.2]\nnormal = [0, 0, 1]\n"));
+  const Answer soft = testing::springnet(folder, "run soft.toml -o soft --quiet");
+  CAPTURE(soft.err);
+  REQUIRE(soft.status == 0);
+  const Answer early = testing::springnet(
+      folder, "learn stiff.toml --observations soft/trajectory.csv --parameters spring.stiffness:together -o early");
+  CAPTURE(early.err);
+  CAPTURE(early.out);
+  CHECK(early.status == 1);
+  CHECK(has(early.err, "as the node is rigidly connected"));
+  CHECK(has(early.err, "have the best values until then"));
+  const auto json = testing::read_json(folder.path() / "early/learning.json");
+  CHECK(json["cost"].get<double>() < json["start_cost"].get<double>());
+  CHECK(has(json["error"].get<std::string>(), "as the node is rigidly connected"));
+  const double found = json["parameters"][0]["value"];
+  CHECK(found < 800.0);
+  CHECK(has(testing::read_text(folder.path() / "early/learned.toml"), fmt::format("{}", found)));
+  CHECK(has(testing::read_text(folder.path() / "early/learning.html"), "An error ended it"));
 }
 
 TEST_CASE("learn goes on with --resume, to the same files") {
@@ -330,7 +401,9 @@ TEST_CASE("learn takes the weight of the guess from a rule, and judges by what i
   CHECK(has(plain.err, "standard deviations"));
   const Answer twice = testing::springnet(folder, command + "--held-out learned.csv");
   CHECK(twice.status == 2);
-  CHECK(has(twice.err, "a second time"));
+  CHECK(has(twice.err,
+            "learned.csv:2: positions of node 0 at 0 s are held out and learned from as well, in "
+            "learned.csv:2"));
 }
 
 TEST_CASE("learn corrects the rules whose words a scene has") {
@@ -401,11 +474,20 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"good.csv --parameters mass --experiment bar.toml=odd.csv", "odd.csv:2"},
         Wrong{"good.csv --parameters mass --experiment absent.toml=good.csv", "absent.toml"},
         Wrong{"good.csv --parameters mass --experiment short.toml=good.csv",
-              "experiment 2 is of another object than the first: it has 12 nodes"},
+              "experiment 2 (short.toml) is of another object than experiment 1 (bar.toml): it has 12 nodes"},
         Wrong{"good.csv --parameters mass --optimiser newton", "--optimiser"},
         Wrong{"good.csv --parameters mass --starts 0", "--starts"},
         Wrong{"good.csv --parameters mass --starts 2 --method online", "--starts is of --method trajectory"},
         Wrong{"good.csv --parameters mass --resume", "learning.state: there is none"},
+        Wrong{"good.csv --parameters mass --method online --guess-weight 1",
+              "--guess-weight is of --method trajectory"},
+        Wrong{"good.csv --parameters mass --method online --iterations 5", "--iterations is of --method trajectory"},
+        Wrong{"good.csv --parameters mass --method online --certainty-products 5",
+              "--certainty-products is of --method trajectory"},
+        Wrong{"good.csv --parameters mass --rate 0.1", "--rate is of --method online"},
+        Wrong{"good.csv --parameters mass --seed 2", "--seed is of searches from several starts"},
+        Wrong{"good.csv --parameters mass --outlier-distance 0.1", "--outlier-distance is of points of the surface"},
+        Wrong{"good.csv --parameters mass,mass@bar", "node 0 is among 'mass', too"},
         Wrong{"seen.csv --parameters mass:field=two", "the degree of a field"},
         Wrong{"seen.csv --parameters load", "there are no loads"},
         Wrong{"seen.csv", "--parameters is required"}}) {

@@ -41,6 +41,8 @@ struct Learnable {
   // its weight beside observations whose weights are 1/s^2. 0: not known, in the unit of the value itself; empty: of
   // all. See GuessedValues.
   std::vector<double> guess_widths{};
+  // "bar" or "bar/top": the body or group that select_learnable() was given, for titles; empty: all, or no text.
+  std::string body{};
 };
 
 // "spring.stiffness", "viscosity.damping", "element.spring.stiffness", "element.viscosity.damping", "neuron.drag",
@@ -50,6 +52,9 @@ struct Learnable {
 // component, or, "gravity:together", its strength. Throws Error(input) that tells what there is.
 [[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
                                                        std::string_view text);
+// Several of them. Throws Error(input) also if two have a value in common, and names both.
+[[nodiscard]] SPRINGNET_API std::vector<Learnable> select_learnables(const Network& network, const PluginHost& plugins,
+                                                                     const std::vector<std::string>& texts);
 
 // A net with loads and start of its own whose motion was observed. All have the same springs, elements and nodes; the
 // search begins with the values of the first one, and all move with the same values, start velocities that are learned
@@ -59,19 +64,21 @@ struct Experiment {
   SimulationOptions options;   // time step and integrator, see MotionDerivatives
   Observations observations;   // learned from; none: the experiment only judges
   Observations held_out = {};  // of the same motion: judge what was learned, which does not know them
+  std::string name{};          // for messages: the scene's file, for instance; empty: its number
 };
 
 struct LearnProgress {
   int iteration = 0;         // of all stages
   double share = 1.0;        // of the observed time that is learned from
-  double cost = 0.0;         // 1/2 sum of weighted squares of residuals
-  double rms = 0.0;          // root mean square of the weighted residuals
+  double cost = 0.0;         // 1/2 sum of weighted squares of residuals, those of the guess among them
+  double rms = 0.0;          // root mean square of the weighted differences from the observations alone
   Eigen::VectorXd values{};  // the best so far, as of MotionDerivatives
   int start = 0;             // see LearnOptions::starts
   double done = 0.0;         // share of the iterations that there are at most
   // Time steps made since this call began, and those of derivatives: one for each of a motion, backwards, or forwards
   // by a variable. Not those made to check the input, nor again for want of memory. 0 in LearnedNet::history.
   double work = 0.0;
+  double guess_weight = 0.0;  // of this part of the search: rules try several
 };
 
 // How the cost of the whole motion falls on the way of a search: the same measure for each method.
@@ -123,9 +130,21 @@ struct GuessPoint {
   double distance = 0.0;  // rms of the changes from the guess, of the logarithm or relative, see guess_weight
 };
 
+// Whether what is left of the differences looks like noise.
+struct FitQuality {
+  // Of the motion that was observed, seen from where the network starts (of reactions: of their size; if points of the
+  // surface alone were observed, of the differences with the values at the start): root of the sum of weighted squares.
+  double share_of_motion = std::numeric_limits<double>::quiet_NaN();
+  // Of the differences of a value from one observation to the next: near 0 for noise that is independent. nan: nothing
+  // was observed often enough.
+  double correlation_in_time = std::numeric_limits<double>::quiet_NaN();
+  std::string warning{};  // what is wrong, and what to do; empty: nothing
+};
+
 struct LearnOptions {
   Optimiser optimiser = Optimiser::levenberg_marquardt;
-  int max_iterations = 100;  // of the last stage
+  // Of the last stage of each start; of the stages before, and of each weight that a rule tries, at most 30 of them.
+  int max_iterations = 100;
   // Values are learned from the first part of the motion at first, of which each stage doubles the length: later motion
   // depends on them so much that a search from far away ends at a wrong minimum. 1: at once from all.
   int stages = 4;
@@ -173,6 +192,7 @@ struct LearnedParameter {
   // determine nothing. The guess, if it has a weight, may hold the value outside.
   double lower = 0.0, upper = 0.0;
   bool at_bound = false;
+  bool is_outside = false;  // of its interval: the guess, or a bound, holds it there
   // Share of the variable that the data determine, 1 to 0: what is missing lies in combinations that they do not; of
   // the combination of variables that the value of a field is.
   double determined = 1.0;
@@ -185,6 +205,9 @@ struct LearnedParameter {
   // Least and greatest of what those of several starts have found that are as good as the best one; nan: one start.
   double starts_lower = std::numeric_limits<double>::quiet_NaN();
   double starts_upper = std::numeric_limits<double>::quiet_NaN();
+  // As of Learnable: the value was selected there; it is learned together with others as one variable.
+  std::string body{};
+  bool together = false;
 };
 // "spring.stiffness", "element.viscosity.damping", "velocity.x"
 [[nodiscard]] SPRINGNET_API std::string name_of(const LearnedParameter& parameter);
@@ -212,32 +235,40 @@ struct LearnedNet {
   double guess_weight = 0.0;            // given, or by the rule
   std::vector<GuessPoint> guess_curve;  // of the weights that the rule tried, the greatest first
   HeldOut held_out;
+  FitQuality fit;
   std::vector<LearnProgress> history;  // of all stages of the best start, without values
   std::vector<LearnedStart> starts;    // none: there was one
   std::vector<LearnCourse> courses;    // of methods that were compared, see course_of(); none from learn() itself
   bool stopped = false;                // by on_iteration
   std::string reason;                  // why the search ended
+  // An error that ended it early, after it had found better values than those at the start, or that left something
+  // unknown: the values are the best until then. Empty: none.
+  std::string failure;
   std::vector<std::string> notes;
 };
 
 // Throws Error(input) for observations, selections and nets that do not fit, and for a start whose motion fails;
-// Error(simulation) if no step can be taken from there.
+// Error(simulation) if no step can be taken from there. Later errors are told in LearnedNet::failure.
 [[nodiscard]] SPRINGNET_API LearnedNet learn(const std::vector<Experiment>& experiments,
                                              const std::shared_ptr<const PluginHost>& plugins,
                                              const std::vector<Learnable>& learnables,
                                              const LearnOptions& options = {});
 
 struct OnlineOptions {
-  // Above 0 to 1: share of the difference after a step that its gradient step would have taken away. Differences are
-  // those that earlier values left, too: learn slowly compared with what the motion forgets in a step, or values swing.
+  // Above 0 to 1: share of the difference after a step that its gradient step would have taken away, at most.
+  // Differences are those that earlier values left, too: learn slowly compared with what the motion forgets in a step,
+  // or values swing.
   double rate = 0.05;
   std::size_t memory = std::size_t{1} << 30;  // bytes that sensitivities may take: 96 for each variable and node, about
 };
 
 // The paper's own method (section 3.5): the net learns while it moves, one gradient step after each time step, by
 // real-time recurrent learning. Its error is that of a motion on which values have changed on the way; learn() is
-// more accurate where a whole motion is at hand. The gradient step is divided by the greatest square of sensitivities
-// so far, so that it cannot blow up.
+// more accurate where a whole motion is at hand. The step is normalised (as in normalised LMS),
+//     x <- x - rate S J^T r / (max |J|^2 + |r|^2),
+// with the differences r after a step, their derivatives J by the variables x in units of their scale S, and the
+// greatest |J| so far. So it is at most half of `rate` in these units: it cannot blow up where sensitivities are small
+// beside noise, as at the beginning of a motion.
 class SPRINGNET_API OnlineLearner {
  public:
   // Throws as learn(), and Error(input) if the sensitivities need more memory.
