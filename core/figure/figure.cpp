@@ -150,6 +150,7 @@ std::string words_of_marks(const FigurePanel& panel, const Axis& x, double top, 
     const double from = std::clamp(x.place(mark.from), frame_left, frame_right);
     const double to = std::clamp(x.place(mark.to), frame_left, frame_right);
     if (mark.from == mark.to) svg += line("mark", from, top, from, bottom);
+    if (mark.text.empty()) continue;
     const double half = width_of(mark.text) / 2.0;
     double middle = mark.from == mark.to ? from + half + 6.0 : (from + to) / 2.0;
     if (mark.from == mark.to && middle + half > frame_right - 4.0) middle = from - half - 6.0;
@@ -318,7 +319,9 @@ void draw(const FigurePanel& panel, Growing& to) {
   FigurePanel shown = panel;
   if (is_cut) shown.marks.push_back({x.low(), x.high(), "cut off: larger values are not drawn"});
   // Words stand above the curves.
-  const double words_height = std::min(mark_row * static_cast<double>(shown.marks.size()), panel.height / 2.0);
+  const auto rows =
+      std::count_if(shown.marks.begin(), shown.marks.end(), [](const FigureMark& mark) { return !mark.text.empty(); });
+  const double words_height = std::min(mark_row * static_cast<double>(rows), panel.height / 2.0);
   if (words_height > 0.0) values.high += (values.high - values.low) * words_height / (panel.height - words_height);
   const Axis y(values, panel.y_logarithmic, bottom, top, 7.0);
   const std::size_t number = to.drawing.panels.size();
@@ -364,6 +367,7 @@ svg .title { font-size: 16px; font-weight: 600; }
 svg .heading { font-weight: 600; }
 svg .grid, svg .zero { stroke: var(--faint); }
 svg .frame { fill: none; stroke: var(--soft); }
+svg .mark { stroke: var(--soft); stroke-dasharray: 3 3; }
 svg .curve { fill: none; stroke-width: 1.8; stroke-linejoin: round; }
 )";
 

@@ -15,7 +15,7 @@ struct FigureCurve {
   bool has_line = true;              // false: markers alone
   std::vector<double> from{}, to{};  // ends of a vertical bar at each point; none: no bars
 };
-// A vertical line, or a shaded interval, with a few words. Not on logarithmic axes.
+// A vertical line, or a shaded interval, with a few words or none. Not on logarithmic axes.
 struct FigureMark {
   double from, to;  // equal: a line
   std::string text;

@@ -35,6 +35,14 @@ Touch touch_of(const Touches& touches, std::uint32_t node) {
   return found == touches.end() ? Touch{} : found->second;
 }
 
+std::optional<std::uint32_t> differing_node(const Touches& one, const Touches& other) {
+  std::optional<std::uint32_t> first;
+  for (const auto& [these, those] : {std::pair(&one, &other), std::pair(&other, &one)})
+    for (const auto& [node, touch] : *these)
+      if (!(touch_of(*those, node) == touch) && (!first || node < *first)) first = node;
+  return first;
+}
+
 Touches contacts_of(const Contact& contact, std::uint32_t nodes) {
   Touches result;
   for (std::uint32_t k = 0; k < nodes; ++k)

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include <springnet/simulation.hpp>
@@ -15,6 +16,8 @@ namespace springnet::learning {
 // By node, the engine's number.
 using Touches = std::map<std::uint32_t, Touch>;
 [[nodiscard]] Touch touch_of(const Touches& touches, std::uint32_t node);
+// The first node whose contact is not the same in both; none: all are.
+[[nodiscard]] std::optional<std::uint32_t> differing_node(const Touches& one, const Touches& other);
 // Those committed.
 [[nodiscard]] Touches contacts_of(const Contact& contact, std::uint32_t nodes);
 

@@ -25,15 +25,15 @@ class NodeOnSurfaces {
         step_(step),
         how_(how),
         node_(node),
-        at_start_(contact, step.start, by_t0),
-        at_end_(contact, step.end, by_t1),
+        at_start_(contact, step.start, by_start_time),
+        at_end_(contact, step.end, by_end_time),
         h_(step.h),
         p_(variable(node.p, by_p)),
         v_(variable(node.v, by_v)),
         free_(variable(node.free, by_free)),
         end_(variable(node.P, by_end)) {
-    h_.derivatives[by_t0] = -1.0;
-    h_.derivatives[by_t1] = 1.0;
+    h_.derivatives[by_start_time] = -1.0;
+    h_.derivatives[by_end_time] = 1.0;
   }
 
   [[nodiscard]] std::optional<OutputDerivative> derivative() const {
@@ -71,8 +71,8 @@ class NodeOnSurfaces {
     const Matrix3 turn = turned(j);
     const Vector3 start = value_of(x), end = turn * start;
     Changes changes = turn * changes_of(x);
-    changes.col(by_t1) += after.spin.cross(end);
-    changes.col(by_t0) -= turn * before.spin.cross(start);
+    changes.col(by_end_time) += after.spin.cross(end);
+    changes.col(by_start_time) -= turn * before.spin.cross(start);
     return vector_of(end, changes);
   }
   // See Contact::carried.
@@ -83,8 +83,8 @@ class NodeOnSurfaces {
                                                          : start + (after.displacement - before.displacement);
     const Matrix3 turn = turned(j);
     Changes changes = turn * changes_of(x);
-    changes.col(by_t1) += after.velocity_at(end);
-    changes.col(by_t0) -= turn * before.velocity_at(start);
+    changes.col(by_end_time) += after.velocity_at(end);
+    changes.col(by_start_time) -= turn * before.velocity_at(start);
     return vector_of(end, changes);
   }
   [[nodiscard]] std::int32_t rougher() const {
@@ -122,8 +122,8 @@ class NodeOnSurfaces {
       const Matrix3 a_turn = before.turns ? Matrix3(before.rotation.transpose()) : Matrix3(Matrix3::Identity());
       const Matrix3 b_turn = after.turns ? Matrix3(after.rotation.transpose()) : Matrix3(Matrix3::Identity());
       Changes by_a = a_turn * changes_of(p_), by_b = b_turn * changes_of(end);
-      by_a.col(by_t0) -= a_turn * before.velocity_at(node_.p);
-      by_b.col(by_t1) -= b_turn * after.velocity_at(value_of(end));
+      by_a.col(by_start_time) -= a_turn * before.velocity_at(node_.p);
+      by_b.col(by_end_time) -= b_turn * after.velocity_at(value_of(end));
       const Vector a = vector_of(before.to_start(node_.p), by_a), b = vector_of(after.to_start(value_of(end)), by_b);
       const Vector3 way = value_of(b - a), there = value_of(a) + share * way;
       const Vector3 n = b_turn * obstacle.normal(after, after.from_start(there));
@@ -135,7 +135,7 @@ class NodeOnSurfaces {
         const Vector place = a + at * (b - a);
         const Vector3 met = after.from_start(value_of(place));
         Changes by_place = b_turn.transpose() * changes_of(place);
-        by_place.col(by_t1) += after.velocity_at(met);
+        by_place.col(by_end_time) += after.velocity_at(met);
         result.position = onto(j, vector_of(met, by_place));
       }
     }

@@ -42,7 +42,7 @@ class OfNode {
   [[nodiscard]] const Obstacle& surface() const {
     return contact_.obstacles()[static_cast<std::size_t>(event_.surface)];
   }
-  [[nodiscard]] SurfaceNumbers surfaces() const { return {contact_, *now_, by_t1}; }
+  [[nodiscard]] SurfaceNumbers surfaces() const { return {contact_, *now_, by_end_time}; }
   // The acceleration has the variables of V.
   [[nodiscard]] Vector place() const { return variable(event_.p, by_p); }
   [[nodiscard]] Vector velocity() const { return variable(event_.v, by_v); }
@@ -54,7 +54,7 @@ class OfNode {
       result.by_velocity[row] = value.derivatives[by_v + i];
       result.by_acceleration[row] = value.derivatives[by_free + i];
     }
-    result.by_time = value.derivatives[by_t1];
+    result.by_time = value.derivatives[by_end_time];
     return result;
   }
   // Of a motion, by time, which has no formula: a central difference, whose error is that of its third derivative.
@@ -71,7 +71,7 @@ class OfNode {
     Changes changes =
         acceleration_by_position(now_->poses[index]) * changes_of(place()) - changes_of(variable(a_, by_free));
     if (contact_.obstacles()[index].moves())
-      changes.col(by_t1) +=
+      changes.col(by_end_time) +=
           by_time([&](const Placement& at) { return Vector3(Contact::acceleration(at, index, event_.p)); });
     return vector_of(Contact::acceleration(*now_, index, event_.p) - a_, changes);
   }
@@ -103,7 +103,7 @@ class OfNode {
       result.derivatives[by_v + i] = gradient.by_velocity[row];
       result.derivatives[by_free + i] = n[row];
     }
-    if (contact_.obstacles()[index].moves()) result.derivatives[by_t1] = by_time(value);
+    if (contact_.obstacles()[index].moves()) result.derivatives[by_end_time] = by_time(value);
     return result;
   }
   [[nodiscard]] std::optional<NodeCondition> of_release() const {

@@ -11,13 +11,27 @@ namespace {
 
 // Speeds after an event follow from those before to rounding, and to what settling takes for errors of integration.
 constexpr double tolerance = 1e-5;
+// Places do so, too, to this share of them.
+constexpr double rounding = 1e-9;
 
+// With x(t-) the state that a smooth motion has reached at the time t of an event and x(t+) = r(x(t-), t) the one that
+// follows, a change of the motion before, dx at a fixed time, and of the time, dt, give
+//
+//   dx(t+) = r_x (dx + x'(t-) dt) + r_t dt
+//
+// at the changed time: r_x is `by_state`, r_t `by_time`. The motion after the event begins there and then, which takes
+// x'(t+) dt away again: both together are the saltation matrix (P. C. Mueller, Chaos, Solitons & Fractals 5, 1671,
+// 1995). The part of dx + x'(t-) dt is made where the step before is passed, that of x'(t+) dt where the one after it
+// is (motion_parts.cpp). Here is r: a touch puts the node on the surface, and the impact and friction set its velocity;
+// a node that comes to rest, or leaves, keeps its place. r is the formula of Contact in variables; which branch it took
+// is known from what it gave, so that a result of another branch is none.
 class Jump {
  public:
-  Jump(const Contact& contact, const Placement& at, const LocatedEvent& event)
+  Jump(const Contact& contact, const Placement& at, const LocatedEvent& event, double time_step)
       : contact_(contact),
         event_(event),
-        surfaces_(contact, at, by_t1),
+        time_step_(time_step),
+        surfaces_(contact, at, by_end_time),
         p_(variable(event.p, by_p)),
         v_(variable(event.v, by_v)) {}
 
@@ -82,23 +96,27 @@ class Jump {
   [[nodiscard]] std::optional<NodeJump> matched(const Vector& place, const Vector& velocity) const {
     const double speed = event_.v.norm() + event_.next_v.norm();
     if (!((value_of(velocity) - event_.next_v).norm() <= tolerance * speed)) return std::nullopt;
+    if (!((value_of(place) - event_.next_p).norm() <= tolerance * speed * time_step_ + rounding * event_.p.norm()))
+      return std::nullopt;
     const Changes by_place = changes_of(place), by_velocity = changes_of(velocity);
     NodeJump result;
     result.by_state << by_place.leftCols<6>(), by_velocity.leftCols<6>();
-    result.by_time << by_place.col(by_t1), by_velocity.col(by_t1);
+    result.by_time << by_place.col(by_end_time), by_velocity.col(by_end_time);
     return result;
   }
 
   const Contact& contact_;
   const LocatedEvent& event_;
+  double time_step_;
   SurfaceNumbers surfaces_;
   Vector p_, v_;
 };
 
 }  // namespace
 
-std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event) {
-  return Jump(contact, at, event).found();
+std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event,
+                                double time_step) {
+  return Jump(contact, at, event, time_step).found();
 }
 
 }  // namespace springnet::learning

@@ -16,7 +16,9 @@ struct NodeJump {
   Eigen::Matrix<double, 6, 1> by_time = Eigen::Matrix<double, 6, 1>::Zero();       // of the event
 };
 
-// None if no formula gives what the node had after the event. at: at its time.
-[[nodiscard]] std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event);
+// None if no formula gives where the node was after the event, and its velocity: to 1e-5 of its speed, and of the way
+// at that speed in a time step (s). at: at the time of the event.
+[[nodiscard]] std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event,
+                                              double time_step);
 
 }  // namespace springnet::learning

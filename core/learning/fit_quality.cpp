@@ -126,9 +126,10 @@ void judge_fit(const std::vector<Experiment>& experiments, const VectorXd& resid
   const std::string what = complaint(result, left_of_start, courses.pairs(), !have_plain_weights(experiments));
   if (what.empty()) return;
   result.fit.warning = fmt::format(
-      "{}: that is no noise. The search has ended in a wrong minimum, or the model is not that of what was seen; the "
-      "intervals do not hold then. Compare both motions on the page; {}{}.",
-      what, advice, result.guess_weight > 0.0 ? ", or a smaller weight of the guess" : "");
+      "{}: that is no noise. The search has ended in a wrong minimum, or the model is not that of what was seen{}. "
+      "Compare both motions on the page; {}{}.",
+      what, result.method == "online" ? "" : "; the intervals do not hold then", advice,
+      result.guess_weight > 0.0 ? ", or a smaller weight of the guess" : "");
 }
 
 }  // namespace springnet::learning

@@ -12,7 +12,7 @@
 
 #include <springnet/error.hpp>
 
-#include "simulation/law_setting.hpp"
+#include "learning/at_scope_end.hpp"
 
 namespace springnet::learning {
 
@@ -23,10 +23,6 @@ using Kind = LearnedValues::Kind;
 constexpr std::size_t axes = 3;
 
 [[nodiscard]] bool is_of_nodes(Kind kind) { return member_name(kind, false) == "node"; }
-
-[[nodiscard]] ComponentKind law_of(Kind kind) {
-  return kind == Kind::viscosity_parameter ? ComponentKind::viscosity_function : ComponentKind::spring_function;
-}
 
 [[nodiscard]] std::uint32_t host_kind(Kind kind) {
   switch (kind) {
@@ -66,72 +62,6 @@ constexpr std::size_t axes = 3;
 [[nodiscard]] const std::vector<std::uint32_t>& members_of(const Change& change, const LearnedValues& what) {
   return is_of_nodes(what.kind) ? change.nodes : what.of_elements ? change.elements : change.springs;
 }
-
-using Values = std::vector<double>;
-
-struct OfSimulation {
-  Simulation& simulation;
-  void set_parameters(const LearnedValues& what, const Values& values) const {
-    if (what.of_elements)
-      simulation.set_element_parameter(what.members, law_of(what.kind), what.parameter, values);
-    else
-      simulation.set_parameter(what.members, law_of(what.kind), what.parameter, values);
-  }
-  void set_references(const LearnedValues& what, const Values& values) const {
-    if (what.of_elements)
-      simulation.set_references(what.members, values);
-    else
-      simulation.set_rest_lengths(what.members, values);
-  }
-  void set_masses(const LearnedValues& what, const Values& values) const {
-    simulation.set_masses(what.members, values);
-  }
-  void set_neurons(const LearnedValues& what, const Values& values) const {
-    simulation.set_neuron_parameter(what.members, what.parameter, values);
-  }
-  void set_loads(const LearnedValues& what, const Values& values) const {
-    for (std::size_t i = 0; i < values.size(); ++i) simulation.set_load_factor(what.members[i], values[i]);
-  }
-  void set_gravity(const Vector3& acceleration) const { simulation.set_gravity(acceleration); }
-};
-
-struct OfEngine {
-  Engine& engine;
-  [[nodiscard]] Members members(const LearnedValues& what) const { return {engine.model().layout, what.of_elements}; }
-  void set_parameters(const LearnedValues& what, const Values& values) const {
-    set_values(engine, members(what), what.members, {law_of(what.kind), what.parameter, false}, values);
-  }
-  void set_references(const LearnedValues& what, const Values& values) const {
-    springnet::set_references(engine, members(what), what.members, values);
-  }
-  void set_masses(const LearnedValues& what, const Values& values) const {
-    springnet::set_masses(engine, what.members, values);
-  }
-  void set_neurons(const LearnedValues& what, const Values& values) const {
-    springnet::set_neurons(engine, what.members, what.parameter, values);
-  }
-  void set_loads(const LearnedValues& what, const Values& values) const {
-    for (std::size_t i = 0; i < values.size(); ++i) engine.model().loads.set_factor(what.members[i], values[i]);
-    engine.model().changed();
-  }
-  void set_gravity(const Vector3& acceleration) const {
-    engine.model().loads.set_gravity(acceleration);
-    engine.model().changed();
-  }
-};
-
-// Does this at its end, also after an error.
-template <class Set>
-class Back {
- public:
-  explicit Back(Set set) : set_(std::move(set)) {}
-  ~Back() { set_(); }
-  Back(const Back&) = delete;
-  Back& operator=(const Back&) = delete;
-
- private:
-  Set set_;
-};
 
 }  // namespace
 
@@ -184,46 +114,6 @@ void LearnedSets::attach(Engine& engine) {
   static_cast<void>(values_of(engine));  // throws for a law without the parameter
 }
 
-Eigen::VectorXd LearnedSets::values_of(const Engine& engine) const {
-  Eigen::VectorXd result(static_cast<Eigen::Index>(count_));
-  const Model& model = engine.model();
-  for (const Set& set : sets_) {
-    const LearnedValues& what = set.what;
-    auto next = static_cast<Eigen::Index>(set.first);
-    for (std::size_t i = 0; i < what.members.size(); ++i) {
-      const std::uint32_t member = what.members[i];
-      switch (what.kind) {
-        case Kind::spring_parameter:
-        case Kind::viscosity_parameter:
-          result[next++] =
-              value_of({model.layout, what.of_elements}, member, {law_of(what.kind), what.parameter, false});
-          break;
-        case Kind::rest_length:
-          result[next++] = what.of_elements ? model.layout.elements().reference(member)
-                                            : Members{model.layout, false}.value(member, 0);
-          break;
-        case Kind::mass:
-          result[next++] = model.mass[set.places[i]];
-          break;
-        case Kind::neuron_parameter:
-          result[next++] = neuron_value(model.layout, member, what.parameter);
-          break;
-        case Kind::load:
-          result[next++] = model.loads.factor(member);
-          break;
-        case Kind::gravity:
-          result[next++] = model.loads.gravity()[member];
-          break;
-        case Kind::initial_velocity:
-          for (const double* component :
-               {model.state.view.velocity.x, model.state.view.velocity.y, model.state.view.velocity.z})
-            result[next++] = component[set.places[i]];
-      }
-    }
-  }
-  return result;
-}
-
 void LearnedSets::check(const Eigen::VectorXd& values) const {
   if (static_cast<std::size_t>(values.size()) != count_)
     throw Error(ErrorKind::input, fmt::format("learning: {} values, must be {}", values.size(), count_));
@@ -235,98 +125,40 @@ void LearnedSets::check(const Eigen::VectorXd& values) const {
                                 set.what.members[set.is_velocity() ? i / 3 : i], value));
 }
 
-std::vector<double> LearnedSets::values_of(const Set& set, const Eigen::VectorXd& values) const {
-  const double* const first = values.data() + set.first;
-  return {first, first + set.size()};
+void LearnedSets::set_factor(Set& set, std::size_t member, double factor) {
+  set.sums.resize(set.places.size(), 0.0);
+  set.sums[member] += set.factor(member) * std::exchange(set.values[set.places[member]], 0.0);
+  set.factors.resize(set.places.size(), 1.0);
+  set.factors[member] = factor;
 }
 
-std::pair<LearnedValues, std::vector<double>> LearnedSets::present(const Set& set,
-                                                                   const Eigen::VectorXd& values) const {
-  std::pair<LearnedValues, std::vector<double>> result{set.what, values_of(set, values)};
-  if (set.factors.empty()) return result;
-  auto& [what, own] = result;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < set.factors.size(); ++i) {
-    if (set.factors[i] == 0.0) continue;
-    what.members[next] = what.members[i];
-    own[next++] = set.factors[i] * own[i];
-  }
-  what.members.resize(next);
-  own.resize(next);
-  return result;
-}
-
-void LearnedSets::set(Simulation& simulation, const Eigen::VectorXd& values) const {
-  set_without_start(simulation, values);
-  for (const Set& set : sets_) {
-    if (!set.is_velocity()) continue;
-    const std::vector<double> own = values_of(set, values);
-    for (std::size_t i = 0; i < set.what.members.size(); ++i)
-      simulation.set_velocity(set.what.members[i], {own[3 * i], own[3 * i + 1], own[3 * i + 2]});
-  }
-}
-
-// Target: OfSimulation or OfEngine.
-template <class Target>
-void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const {
-  Vector3 gravity = gravity_;  // components that are not learned stay
-  for (const Set& set : sets_) {
-    const auto [what, own] = present(set, values);
-    if (what.members.empty()) continue;
-    switch (what.kind) {
-      case Kind::spring_parameter:
-      case Kind::viscosity_parameter:
-        target.set_parameters(what, own);
-        break;
-      case Kind::rest_length:
-        target.set_references(what, own);
-        break;
-      case Kind::mass:
-        target.set_masses(what, own);
-        break;
-      case Kind::neuron_parameter:
-        target.set_neurons(what, own);
-        break;
-      case Kind::load:
-        target.set_loads(what, own);
-        break;
-      case Kind::gravity:
-        for (std::size_t i = 0; i < own.size(); ++i) gravity[what.members[i]] = own[i];
-        target.set_gravity(gravity);
-        break;
-      case Kind::initial_velocity:
-        break;
-    }
-  }
-}
-
-void LearnedSets::set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const {
-  set_laws_and_masses(OfSimulation{simulation}, values);
-}
-
-void LearnedSets::follow_changes(const std::vector<Change>& changes, const std::vector<std::size_t>& made) {
+void LearnedSets::follow_change(const Change& change) {
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_load() || (made.empty() && set.factors.empty())) continue;
-    // What has been summed so far was by other factors.
-    set.sums.resize(set.places.size(), 0.0);
-    for (std::size_t i = 0; i < set.places.size(); ++i)
-      set.sums[i] += set.factor(i) * std::exchange(set.values[set.places[i]], 0.0);
-    std::map<std::uint32_t, double> factors;  // of members that change
-    for (const std::size_t number : made) {
-      const std::optional<double> factor = factor_of(changes[number], set.what);
-      if (!factor) continue;
-      for (const std::uint32_t member : members_of(changes[number], set.what))
-        factors.emplace(member, 1.0).first->second *= *factor;
+    if (set.is_velocity() || set.is_load()) continue;
+    std::vector<Set::Factor>& replaced = set.replaced.emplace_back();
+    const std::optional<double> factor = factor_of(change, set.what);
+    if (!factor) continue;
+    if (set.places_of.empty()) {
+      for (std::size_t i = 0; i < set.what.members.size(); ++i) set.places_of.emplace_back(set.what.members[i], i);
+      std::sort(set.places_of.begin(), set.places_of.end());
     }
-    set.factors.assign(set.places.size(), 1.0);
-    for (std::size_t i = 0; i < set.places.size(); ++i)
-      if (const auto found = factors.find(set.what.members[i]); found != factors.end()) set.factors[i] = found->second;
-    if (factors.empty()) set.factors.clear();
+    for (const std::uint32_t number : members_of(change, set.what)) {
+      const auto found =
+          std::lower_bound(set.places_of.begin(), set.places_of.end(), std::pair(number, std::size_t{0}));
+      if (found == set.places_of.end() || found->first != number) continue;
+      replaced.push_back({found->second, set.factor(found->second)});
+      set_factor(set, found->second, *factor * set.factor(found->second));
+    }
   }
 }
 
-void LearnedSets::set(Engine& engine, const Eigen::VectorXd& values) const {
-  set_laws_and_masses(OfEngine{engine}, values);  // states are given with each request
+void LearnedSets::undo_change() {
+  for (Set& set : sets_) {
+    if (set.is_velocity() || set.is_load()) continue;
+    for (auto each = set.replaced.back().rbegin(); each != set.replaced.back().rend(); ++each)
+      set_factor(set, each->member, each->before);
+    set.replaced.pop_back();
+  }
 }
 
 std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
@@ -380,7 +212,7 @@ Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, cons
   };
   if (set.what.kind == Kind::gravity) {
     const Vector3 before = loads.gravity();
-    const Back back([&] { loads.set_gravity(before); });
+    const AtScopeEnd back([&] { loads.set_gravity(before); });
     const double size = std::max(1.0, before.norm());  // differences of its own size lose no digits
     loads.set_gravity(before + part * size * Vector3::Unit(place));
     const Eigen::VectorXd more = accelerations();
@@ -388,33 +220,36 @@ Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, cons
     return (more - accelerations()) / (2.0 * part * size);
   }
   const double factor = loads.factor(place);
-  const Back back([&] { loads.set_factor(place, factor); });
+  const AtScopeEnd back([&] { loads.set_factor(place, factor); });
   loads.set_factor(place, factor + part);
   const Eigen::VectorXd more = accelerations();
   loads.set_factor(place, factor - part);
   return (more - accelerations()) / (2.0 * part);
 }
 
-void LearnedSets::tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
-                          const Eigen::VectorXd& change, double* accelerations, double* internal) {
-  for (Set& set : sets_) {
-    if (set.is_velocity()) continue;
-    std::fill(set.values.begin(), set.values.end(), 0.0);
-    for (std::size_t i = 0; i < set.places.size(); ++i)
-      set.values[set.places[i]] = set.factor(i) * change[static_cast<Eigen::Index>(set.first + i)];
-  }
-  const std::vector<sdk::Host::ParameterSet> sets = host_sets();
-  if (!sets.empty()) {
-    host.parameter_tangent(at, sets, {nullptr, accelerations, internal});
-  } else {
-    std::fill_n(accelerations, 3 * host.network().node_count, 0.0);
-    if (internal != nullptr) std::fill_n(internal, host.network().internal_count, 0.0);
+void LearnedSets::tangents(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
+                           const Eigen::MatrixXd& changes, Eigen::MatrixXd& accelerations,
+                           const std::function<double*(Eigen::Index)>& internal) {
+  accelerations.resize(3 * static_cast<Eigen::Index>(host.network().node_count), changes.cols());
+  for (Eigen::Index j = 0; j < changes.cols(); ++j) {
+    for (Set& set : sets_) {
+      if (set.is_velocity()) continue;
+      std::fill(set.values.begin(), set.values.end(), 0.0);
+      for (std::size_t i = 0; i < set.places.size(); ++i)
+        set.values[set.places[i]] = set.factor(i) * changes(static_cast<Eigen::Index>(set.first + i), j);
+    }
+    double* const of_states = internal ? internal(j) : nullptr;
+    if (const std::vector<sdk::Host::ParameterSet> sets = host_sets(); !sets.empty()) {
+      host.parameter_tangent(at, sets, {nullptr, accelerations.col(j).data(), of_states});
+    } else {
+      accelerations.col(j).setZero();
+      if (of_states != nullptr) std::fill_n(of_states, host.network().internal_count, 0.0);
+    }
   }
   for (const Set& set : sets_)
     for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
-      if (const double by = change[static_cast<Eigen::Index>(set.first + i)]; by != 0.0)
-        Eigen::Map<Eigen::VectorXd>(accelerations, 3 * static_cast<Eigen::Index>(host.network().node_count)) +=
-            by * by_load(engine, host, at, set, set.places[i]);
+      if (const auto row = changes.row(static_cast<Eigen::Index>(set.first + i)); !row.isZero(0.0))
+        accelerations += by_load(engine, host, at, set, set.places[i]) * row;
 }
 
 void LearnedSets::begin_cotangent() {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -32,17 +33,19 @@ class LearnedSets {
   void set_without_start(Simulation& simulation, const Eigen::VectorXd& values) const;
   void set(Engine& engine, const Eigen::VectorXd& values) const;
 
-  // These changes of the network have been made: what they set no longer depends on what is learned, and what they
-  // scale does so by their factor. Of the tangents, cotangents and settings to come.
-  void follow_changes(const std::vector<Change>& changes, const std::vector<std::size_t>& made);
+  // A change of the network has been made, after those before: what it sets no longer depends on what is learned, and
+  // what it scales does so by its factor. Of the tangents, cotangents and settings to come, until it is undone: the
+  // last one first.
+  void follow_change(const Change& change);
+  void undo_change();
 
   // A change of the values as sets of the host; `values` holds those of the sets.
   [[nodiscard]] std::vector<springnet_parameter_set> sets_along(const Eigen::VectorXd& change,
                                                                 std::vector<std::vector<double>>& values) const;
-  // Changes of accelerations, [3 node], for that of the values; and of internal states at the end of a step, null: not
-  // wanted.
-  void tangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, const Eigen::VectorXd& change,
-               double* accelerations, double* internal = nullptr);
+  // Changes of accelerations, [3 node], for those of the values: a column for each. internal(j): where those of
+  // internal states at the end of a step are written for column j; null: not wanted.
+  void tangents(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, const Eigen::MatrixXd& changes,
+                Eigen::MatrixXd& accelerations, const std::function<double*(Eigen::Index)>& internal = nullptr);
   // Adds (da/d(values))^T weights, to zeros at first; of internal states likewise. The host has been linearised there.
   void begin_cotangent();
   void add_cotangent(Engine& engine, const sdk::Host& host, const springnet_evaluation& at, double* weights,
@@ -73,7 +76,13 @@ class LearnedSets {
     std::vector<std::uint32_t> places;  // [member] in `values`; of start velocities: the engine's nodes
     std::vector<double> values;
     std::vector<double> factors;  // [member] of what is learned, by changes of the network; empty: 1
-    std::vector<double> sums;     // as `values`: of cotangents with other factors; empty: none
+    std::vector<double> sums;     // [member] of cotangents with other factors; empty: none
+    struct Factor {
+      std::size_t member;
+      double before;
+    };
+    std::vector<std::vector<Factor>> replaced;                     // [change made] factors before it
+    std::vector<std::pair<std::uint32_t, std::size_t>> places_of;  // numbers of members with their places in the list
     [[nodiscard]] double factor(std::size_t member) const { return factors.empty() ? 1.0 : factors[member]; }
     [[nodiscard]] double sum(std::size_t member) const {
       return (sums.empty() ? 0.0 : sums[member]) + factor(member) * values[places[member]];
@@ -84,6 +93,8 @@ class LearnedSets {
     }
     [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
   };
+  // What has been summed so far of this member is by its present factor.
+  static void set_factor(Set& set, std::size_t member, double factor);
   template <class Target>
   void set_laws_and_masses(const Target& target, const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<double> values_of(const Set& set, const Eigen::VectorXd& values) const;

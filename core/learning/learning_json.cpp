@@ -76,6 +76,7 @@ std::string to_json(const LearnedNet& learned) {
     curve.push_back({{"weight", each.weight}, {"rms", number(each.rms)}, {"distance", number(each.distance)}});
   Json json{
       {"springnet", version()},
+      {"method", learned.method},
       {"observed_values", learned.observed},
       {"variables", learned.variables},
       {"start_cost", number(learned.start_cost)},

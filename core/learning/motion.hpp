@@ -92,6 +92,7 @@ struct MotionDerivatives::Impl {
       removals.follow(constraints->engine());
       scene_changes.follow(constraints->engine());
     }
+    trajectory.set_reserved(scene_changes.bytes());
     internal.check_start(learned, network_values);
     saved_start = simulation.save();
     for (Eigen::VectorXd* each : {&dp, &dv, &rhs, &product, &other, &solution}) each->setZero(size());
@@ -203,6 +204,7 @@ struct MotionDerivatives::Impl {
                                const Eigen::VectorXd& v) const;
   [[noreturn]] void refuse(const learning::LocatedEvent& event, double time, const std::string& what) const;
   [[noreturn]] void refuse(const Step& step, const std::string& what) const;
+  [[noreturn]] void refuse_times(const Step& step, std::uint32_t node) const;
   void start_backwards(const State& at, std::size_t number, double until);
   void guess_weights();
   void set_engines(const Eigen::VectorXd& values);
@@ -244,10 +246,9 @@ struct MotionDerivatives::Impl {
   std::size_t steps, nodes = 0;
   std::string saved_start;
   Eigen::VectorXd network_values;
-  Eigen::VectorXd present_values;  // of the engines
-  std::vector<Event> events;       // of the last run; those of the simulation follow the steps that are made again
-  std::size_t events_before = 0;   // in the simulation
-  Eigen::VectorXd dp, dv;          // the change of a state, or derivatives of the loss by it
+  std::vector<Event> events;      // of the last run; those of the simulation follow the steps that are made again
+  std::size_t events_before = 0;  // in the simulation
+  Eigen::VectorXd dp, dv;         // the change of a state, or derivatives of the loss by it
   Eigen::VectorXd rhs, product, other, solution, work;
   Eigen::VectorXd weights;                  // of the accelerations at a state
   std::deque<Eigen::VectorXd> solved;       // of those, backwards: of the last steps
@@ -255,15 +256,16 @@ struct MotionDerivatives::Impl {
   double pending_until = 0.0;               // s: the end of that step
   std::uint64_t pending_loads = 0;          // the engine's revision of loads in that step
   Eigen::MatrixXd changes, dps, dvs, rhss;  // of the tangent: a column for each change of values
+  Eigen::MatrixXd by_values;                // accelerations for each of those
   Eigen::MatrixXd dps_before, dvs_before;   // at the start of the step made last
   // Parts: how many there are before each step that was made, and in all; those whose contacts sweeps have decided.
   std::vector<std::size_t> parts_before;
   std::size_t part_count = 0;
   std::set<std::size_t> decided;
-  // Changes of the time at which a part starts, those of its start and end while it is passed (empty: these stay), and
-  // backwards the derivative of the loss by it, s.
-  Eigen::RowVectorXd moved, start_moves, end_moves;
-  double by_moved = 0.0;
+  // Changes of the time of the last event, at which the next part starts, 0 at the start of a time step; those of the
+  // start and the end of a part while it is passed (empty: these stay); and the derivative of the loss by that time.
+  Eigen::RowVectorXd event_time_changes, start_time_changes, end_time_changes;
+  double by_event_time = 0.0;
 };
 
 }  // namespace springnet

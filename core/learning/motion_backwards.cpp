@@ -84,7 +84,8 @@ void MotionDerivatives::Impl::step_backwards(const Step& own) {
   if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
   outputs.to_free(product, other, solution);
   clear_pinned(solution);
-  by_moved = own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) : 0.0;
+  by_event_time =
+      own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) : 0.0;
   outputs.to_start(product, other, dp, dv);
   dv += solution;
   internal.weigh_start(start, end, weights, dp, dv);
@@ -108,7 +109,7 @@ VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, 
   dv.setZero();
   internal.begin_weights();
   pending.resize(0);
-  by_moved = 0.0;
+  by_event_time = 0.0;
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(nodes));
   for (std::size_t k = trajectory.size(); k-- > 0;) {
     StateChange own{zero, zero};

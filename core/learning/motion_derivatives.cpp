@@ -95,11 +95,10 @@ void MotionDerivatives::Impl::check_start(const State& start) {
 // The engines as they are in the step that ends at a state; 0: at the start.
 void MotionDerivatives::Impl::set_for_step(std::size_t until) {
   removals.set_for_step(until);
-  scene_changes.set_for_step(until, [this](Engine& of) { learned.set(of, present_values); });
+  scene_changes.set_for_step(until);
 }
 
 void MotionDerivatives::Impl::set_engines(const VectorXd& values) {
-  present_values = values;
   learned.set(engine, values);
   if (constraints) learned.set(constraints->engine(), values);
 }

@@ -1,29 +1,33 @@
 #include "learning/motion.hpp"
 
+#include <functional>
 #include <utility>
 
 #include <springnet/error.hpp>
 
 namespace springnet {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Each column of dps and dvs is the change of a state.
 void MotionDerivatives::Impl::step_forwards(const Step& step) {
   begin_step(step);
-  const Eigen::Index columns = dps.cols();
+  const Index columns = dps.cols();
   rhss = dvs;
   const auto add = [&](const sdk::Host& of, const springnet_evaluation& where, double weight, bool at_end) {
-    other.setZero();
-    for (Eigen::Index j = 0; j < columns; ++j) {
+    std::function<double*(Index)> of_states;
+    if (at_end && internal.any()) of_states = [this](Index j) { return internal.by_values(j); };
+    learned.tangents(engine_of(of), of, where, changes, by_values, of_states);
+    rhss += weight * by_values;
+    for (Index j = 0; j < columns; ++j) {
       of.jacobian_times(dps.col(j).data(), dvs.col(j).data(), product.data(), SPRINGNET_TRUE_FRICTION);
       if (&of != &host) {
         work = dps.col(j);
         constraints->add_carried(work, product);
       }
-      learned.tangent(engine_of(of), of, where, changes.col(j), other.data(), at_end ? internal.by_values(j) : nullptr);
-      rhss.col(j) += weight * (product + other);
+      rhss.col(j) += weight * product;
     }
   };
   const springnet_evaluation start = evaluation(step.from);
@@ -36,27 +40,27 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
   }
   const springnet_evaluation end = end_of(step);
   find_outputs(step);
-  const bool timed = start_moves.size() > 0;
+  const bool timed = start_time_changes.size() > 0;
   ByTimes by_times;
   if (timed) by_times = find_times(step);
   solver.prepare(end, step.w, columns, &outputs);
   internal.add_by_start(start, end, step.w, dps, dvs, rhss);
   // Without the velocities V that are yet to be found.
-  for (Eigen::Index j = 0; j < columns; ++j) {
+  for (Index j = 0; j < columns; ++j) {
     outputs.from_start(dps.col(j), dvs.col(j), solution, product);
     if (outputs.any()) outputs.add_masses(learned.mass_changes(changes.col(j), nodes), solution, product);
     if (timed) {
       clear_pinned(solution);
       clear_pinned(product);
-      solution += start_moves[j] * by_times.start.p + end_moves[j] * by_times.end.p;
-      product += start_moves[j] * by_times.start.v + end_moves[j] * by_times.end.v;
-      rhss.col(j) += start_moves[j] * by_times.start.free + end_moves[j] * by_times.end.free;
+      solution += start_time_changes[j] * by_times.start.p + end_time_changes[j] * by_times.end.p;
+      product += start_time_changes[j] * by_times.start.v + end_time_changes[j] * by_times.end.v;
+      rhss.col(j) += start_time_changes[j] * by_times.start.free + end_time_changes[j] * by_times.end.free;
     }
     dps.col(j) = solution;
     dvs.col(j) = product;
   }
   add(host, end, step.w, true);
-  for (Eigen::Index j = 0; j < columns; ++j) {
+  for (Index j = 0; j < columns; ++j) {
     rhs = rhss.col(j);
     clear_pinned(rhs);
     solver.solve(rhs, accuracy, solution);
@@ -81,18 +85,18 @@ void MotionDerivatives::Impl::add_internal_at_start(const sdk::Host& of, const s
   host.linearise(start);
   MatrixXd free = MatrixXd::Zero(size(), rhss.cols());
   internal.add_accelerations(start, weight, free);
-  for (Eigen::Index j = 0; j < free.cols(); ++j) constraints->project(false, free.col(j).data());
+  for (Index j = 0; j < free.cols(); ++j) constraints->project(false, free.col(j).data());
   rhss += free;
 }
 
 void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
-  for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
+  for (Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
   changes = directions;
   dps.setZero(size(), directions.cols());
   dvs.setZero(size(), directions.cols());
-  moved.setZero(directions.cols());
+  event_time_changes.setZero(directions.cols());
   internal.begin_changes(directions.cols());
-  for (Eigen::Index j = 0; j < directions.cols(); ++j) {
+  for (Index j = 0; j < directions.cols(); ++j) {
     product.setZero();
     learned.start_velocity(directions.col(j), product);
     dvs.col(j) = product;
@@ -101,7 +105,7 @@ void MotionDerivatives::Impl::begin_tangent(const MatrixXd& directions) {
 
 MatrixXd MotionDerivatives::Impl::columns_in_user_order(const MatrixXd& values) const {
   MatrixXd result(values.rows(), values.cols());
-  for (Eigen::Index j = 0; j < values.cols(); ++j) result.col(j) = in_user_order(values.col(j)).reshaped();
+  for (Index j = 0; j < values.cols(); ++j) result.col(j) = in_user_order(values.col(j)).reshaped();
   return result;
 }
 
@@ -132,7 +136,7 @@ void MotionDerivatives::Impl::make_step(const VectorXd& values, const MatrixXd& 
   if (trajectory.size() != 2 || directions.cols() != dps.cols())
     throw Error(ErrorKind::input, "learning: steps are made after begin_steps(), with as many changes");
   learned.check(values);
-  for (Eigen::Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
+  for (Index j = 0; j < directions.cols(); ++j) learned.check(directions.col(j));
   removals.begin_at_last();
   scene_changes.begin_at_last();
   set_for_step(1);

@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <springnet/error.hpp>
 
+#include "learning/node_vectors.hpp"
 #include "simulation/model.hpp"
 
 namespace springnet {
@@ -21,7 +23,9 @@ using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 using learning::EventCondition;
 using learning::LocatedEvent;
+using learning::node_of;
 using learning::NodeJump;
+using learning::put_node;
 using learning::StepPart;
 
 namespace {
@@ -33,26 +37,17 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double share_of_step = 1e-4;
 
 Vector6 state_of(const Eigen::Ref<const VectorXd>& p, const Eigen::Ref<const VectorXd>& v, std::uint32_t node) {
-  const Index n = p.size() / 3;
   Vector6 result;
-  result << p[node], p[n + node], p[2 * n + node], v[node], v[n + node], v[2 * n + node];
+  result << node_of(p, node), node_of(v, node);
   return result;
 }
+void put_state(Eigen::Ref<VectorXd> p, Eigen::Ref<VectorXd> v, std::uint32_t node, const Vector3& position,
+               const Vector3& velocity) {
+  put_node(p, node, position);
+  put_node(v, node, velocity);
+}
 void put_state(Eigen::Ref<VectorXd> p, Eigen::Ref<VectorXd> v, std::uint32_t node, const Vector6& state) {
-  const Index n = p.size() / 3;
-  for (Index axis = 0; axis < 3; ++axis) {
-    p[axis * n + node] = state[axis];
-    v[axis * n + node] = state[3 + axis];
-  }
-}
-void put_state(VectorXd& p, VectorXd& v, std::uint32_t node, const Vector3& position, const Vector3& velocity) {
-  Vector6 state;
-  state << position, velocity;
-  put_state(p, v, node, state);
-}
-Vector3 node_of(const VectorXd& of, std::uint32_t node) {
-  const Index n = of.size() / 3;
-  return {of[node], of[n + node], of[2 * n + node]};
+  put_state(p, v, node, state.head<3>(), state.tail<3>());
 }
 
 std::string what_happens(LocatedEvent::Kind kind) {
@@ -99,6 +94,18 @@ void MotionDerivatives::Impl::refuse(const Step& step, const std::string& what) 
                           step.until.time, what));
 }
 
+void MotionDerivatives::Impl::refuse_times(const Step& step, std::uint32_t node) const {
+  const auto number = engine.model().user_number(node);
+  const std::string at_the_same_time =
+      constraints->is_rigid(node)
+          ? fmt::format(
+                ", while the rigid connections of node {} touch a surface that moves, or join it to a node that "
+                "is moved",
+                number)
+          : fmt::format(", while node {} is in a vertex of surfaces that move", number);
+  refuse(step, at_the_same_time);
+}
+
 // ---- what the steps were, while they are made the first time --------------------------------------------------------
 
 void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed& committed) {
@@ -106,6 +113,9 @@ void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed&
   if (recorder.parts().size() == 1) parts_before.push_back(part_count);
   if (internal.any() && !part.events.empty())
     refuse(part.events.front(), part.time, " with laws that have internal states");
+  for (const LocatedEvent& each : part.events)
+    if (each.is_of_node() && constraints->is_rigid(each.index))
+      refuse(each, part.time, ", as the node is rigidly connected");
   const std::size_t first = part_count + 1;
   part_count += std::max<std::size_t>(1, part.events.size());
   if (committed.decided) decided.insert(first);
@@ -133,17 +143,11 @@ void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed&
       if (part.events[i].is_of_node()) history.change(first + i, part.events[i].index, part.events[i].after);
   }
   const learning::Touches now = learning::contacts_of(model.contact, model.node_count());
-  if (const learning::Touches& known = history.at(part_count); now != known) {
-    const auto differs = std::find_if(now.begin(), now.end(), [&](const auto& each) {
-      const auto found = known.find(each.first);
-      return found == known.end() || !(found->second == each.second);
-    });
-    const std::uint32_t node = differs != now.end() ? differs->first : known.begin()->first;
+  if (const auto node = learning::differing_node(now, history.at(part_count)))
     throw Error(ErrorKind::simulation,
                 fmt::format("learning: the contact of node {}, which changes at {:g} s without an event, is not "
                             "differentiated; set events = \"stepwise\"",
-                            model.user_number(node), part.time));
-  }
+                            model.user_number(*node), part.time));
   std::vector<learning::Slipping> slips;
   for (const auto& [node, touch] : now)
     if (touch.slides && model.contact.slip_phase(node) != Contact::Slip::ongoing)
@@ -226,8 +230,7 @@ MotionDerivatives::Impl::ByTimes MotionDerivatives::Impl::find_times(const Step&
   result.start.v = result.end.v;
   for (const bool ends : {false, true}) {
     ByTime& own = ends ? result.end : result.start;
-    if (outputs.write_times(ends, own.p, own.v))
-      refuse(step, ", with a vertex of surfaces that move, or rods to nodes that are moved");
+    if (const auto node = outputs.write_times(ends, own.p, own.v)) refuse_times(step, *node);
     for (VectorXd* each : {&own.free, &own.p, &own.v}) clear_pinned(*each);
   }
   const springnet_network& network = host.network();
@@ -247,8 +250,8 @@ void MotionDerivatives::Impl::pass_instant(const Step& step) {
   const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
   const VectorXd a = accelerations(of, evaluation(step.from));
   for (Index j = 0; j < dps.cols(); ++j) {
-    dps.col(j) += (end_moves[j] - start_moves[j]) * step.from.v;
-    dvs.col(j) += (end_moves[j] - start_moves[j]) * a;
+    dps.col(j) += (end_time_changes[j] - start_time_changes[j]) * step.from.v;
+    dvs.col(j) += (end_time_changes[j] - start_time_changes[j]) * a;
   }
 }
 
@@ -276,10 +279,8 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   const learning::PlacedTime at{step.until.time, share_of_step * time_step,
                                 [&](double time) { return contact.at(just_before(time, h)); }};
   const std::uint32_t k = event.index;
-  const auto own = constraints->is_rigid(k)
-                       ? std::nullopt
-                       : learning::condition_of(contact, at, event, node_of(accelerations(host, end), k));
-  if (!own) refuse(step, constraints->is_rigid(k) ? ", as the node is rigidly connected" : "");
+  const auto own = learning::condition_of(contact, at, event, node_of(accelerations(host, end), k));
+  if (!own) refuse(step, "");
   put_state(result.by_position, result.by_velocity, k, own->by_position, own->by_velocity);
   result.by_time = own->by_time;
   if (own->by_acceleration.isZero(0.0)) return result;
@@ -320,7 +321,7 @@ NodeJump MotionDerivatives::Impl::jump_of(const Step& step) {
   if (!step.event->is_of_node()) return {};
   const double h = std::max(step.until.time - step.from.time, share_of_step * time_step);
   const Contact& contact = constraints->engine().model().contact;
-  const auto result = learning::jump_of(contact, *contact.at(just_before(step.until.time, h)), *step.event);
+  const auto result = learning::jump_of(contact, *contact.at(just_before(step.until.time, h)), *step.event, time_step);
   if (!result) refuse(step, "");
   return *result;
 }
@@ -331,22 +332,22 @@ NodeJump MotionDerivatives::Impl::jump_of(const Step& step) {
 void MotionDerivatives::Impl::part_forwards(const Step& step) {
   set_for_step(step.number);
   if (step.event == nullptr && !step.starts_at_event) return step_forwards(step);
-  const Index columns = moved.size(), with = columns + (step.event != nullptr ? 1 : 0);
+  const Index columns = event_time_changes.size(), with = columns + (step.event != nullptr ? 1 : 0);
   for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) {
     each->conservativeResize(Eigen::NoChange, with);
     each->rightCols(with - columns).setZero();
   }
-  start_moves.setZero(with);
-  end_moves.setZero(with);
-  start_moves.head(columns) = moved;
-  if (step.event != nullptr) end_moves[columns] = 1.0;
+  start_time_changes.setZero(with);
+  end_time_changes.setZero(with);
+  start_time_changes.head(columns) = event_time_changes;
+  if (step.event != nullptr) end_time_changes[columns] = 1.0;
   if (step.is_instant)
     pass_instant(step);
   else
     step_forwards(step);
-  start_moves.resize(0);
-  end_moves.resize(0);
-  moved.setZero();
+  start_time_changes.resize(0);
+  end_time_changes.resize(0);
+  event_time_changes.setZero();
   if (step.event == nullptr) return;
 
   const EventCondition condition = condition_of(step);
@@ -354,21 +355,18 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
   const double rate = rate_of(step, condition, p, v);
   const NodeJump jump = jump_of(step);
   for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) each->conservativeResize(Eigen::NoChange, columns);
+  if (condition.by_acceleration.size() > 0) learned.tangents(engine, host, nodes_at(step.until), changes, by_values);
   for (Index j = 0; j < columns; ++j) {
     double value = condition.by_position.dot(dps.col(j)) + condition.by_velocity.dot(dvs.col(j));
     if (condition.by_values.size() > 0) value += condition.by_values.dot(changes.col(j));
-    if (condition.by_acceleration.size() > 0) {
-      other.setZero();
-      learned.tangent(engine, host, nodes_at(step.until), changes.col(j), other.data());
-      value += condition.by_acceleration.dot(other);
-    }
-    moved[j] = -value / rate;
-    dps.col(j) += moved[j] * p;
-    dvs.col(j) += moved[j] * v;
+    if (condition.by_acceleration.size() > 0) value += condition.by_acceleration.dot(by_values.col(j));
+    event_time_changes[j] = -value / rate;
+    dps.col(j) += event_time_changes[j] * p;
+    dvs.col(j) += event_time_changes[j] * v;
     if (!step.event->is_of_node()) continue;
     const std::uint32_t k = step.event->index;
     const Vector6 own = state_of(dps.col(j), dvs.col(j), k);
-    put_state(dps.col(j), dvs.col(j), k, jump.by_state * own + jump.by_time * moved[j]);
+    put_state(dps.col(j), dvs.col(j), k, jump.by_state * own + jump.by_time * event_time_changes[j]);
   }
 }
 
@@ -381,13 +379,13 @@ void MotionDerivatives::Impl::part_backwards(const Step& step) {
   if (pending.size() > 0 && step.event == nullptr) start_backwards(step.until, step.number, pending_until);
   set_for_step(step.number);
   const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
-  by_moved = -dp.dot(step.from.v) - dv.dot(accelerations(of, evaluation(step.from)));
+  by_event_time = -dp.dot(step.from.v) - dv.dot(accelerations(of, evaluation(step.from)));
 }
 
 // To derivatives by the end of the part as the event found it, from those by what the event left, and by its time.
 void MotionDerivatives::Impl::event_backwards(const Step& step) {
   set_for_step(step.number);
-  double by_event = by_moved;
+  double by_event = by_event_time;
   if (step.event->is_of_node()) {
     const NodeJump jump = jump_of(step);
     const Vector6 weights_of_node = state_of(dp, dv, step.event->index);
@@ -398,14 +396,14 @@ void MotionDerivatives::Impl::event_backwards(const Step& step) {
   dps.setZero(size(), 1);
   dvs.setZero(size(), 1);
   changes.setZero(static_cast<Index>(learned.count()), 1);
-  start_moves.setZero(1);
-  end_moves.setOnes(1);
+  start_time_changes.setZero(1);
+  end_time_changes.setOnes(1);
   if (step.is_instant)
     pass_instant(step);
   else
     step_forwards(step);
-  start_moves.resize(0);
-  end_moves.resize(0);
+  start_time_changes.resize(0);
+  end_time_changes.resize(0);
   learned.begin_cotangent();
   learned.add_gradient(sums);
   const VectorXd p = dps.col(0), v = dvs.col(0);

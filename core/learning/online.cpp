@@ -116,6 +116,7 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   const learning::Variables& variables = fit.variables();
   OnlineLearner learner(experiment.network, plugins, experiment.options, learnables, options);
   LearnedNet result;
+  result.method = "online";
   result.reason = "The motion was gone through once.";
   const double last = experiment.observations.times().back();
   constexpr double rounding = 1e-6;  // of a step

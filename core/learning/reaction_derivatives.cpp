@@ -181,14 +181,15 @@ MatrixXd ReactionDerivatives::tangent(const MotionDerivatives& motion, std::size
     own.go_to(own.free, motion, state, at);
     own.free.host.linearise(at.evaluation);
     MatrixXd result(own.size(), changes.cols());
-    VectorXd by_state(own.size()), by_values(own.size());
+    VectorXd by_state(own.size());
+    MatrixXd by_values;
+    own.learned->tangents(own.free.engine, own.free.host, at.evaluation, changes, by_values);
     const auto nodes = static_cast<Eigen::Index>(own.count);
     for (Eigen::Index j = 0; j < changes.cols(); ++j) {
       const VectorXd dp = own.in_order_of(own.free, positions.col(j).reshaped(3, nodes));
       const VectorXd dv = own.in_order_of(own.free, velocities.col(j).reshaped(3, nodes));
       own.free.host.jacobian_times(dp.data(), dv.data(), by_state.data());
-      own.learned->tangent(own.free.engine, own.free.host, at.evaluation, changes.col(j), by_values.data());
-      Matrix3Xd change = own.in_user_order(own.free, by_state + by_values);
+      Matrix3Xd change = own.in_user_order(own.free, by_state + by_values.col(j));
       for (std::size_t k = 0; k < own.count; ++k)
         change.col(static_cast<Eigen::Index>(k)) *= own.pinned[k] != 0 ? -own.mass_of(k) : 0.0;
       result.col(j) = change.reshaped();

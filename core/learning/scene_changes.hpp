@@ -14,11 +14,11 @@ namespace springnet::learning {
 
 class SceneChanges {
  public:
-  // Engines with the values at the start, and what else is to be told of the changes that have been made. Throws
+  // An engine with the values at the start; and `learned` is told of the changes that have been made. Throws
   // Error(input) for changes that are not differentiated.
   SceneChanges(const Network& network, Engine& engine, LearnedSets& learned);
-  // Another engine of the same net that is to follow.
-  void follow(Engine& engine);
+  // Another engine of the same net that is to follow, with the same values.
+  void follow(Engine& engine) { engines_.push_back(&engine); }
 
   // A new motion. The engines have what the network says, and what is learned is to be set.
   void begin();
@@ -26,28 +26,26 @@ class SceneChanges {
   void take(std::size_t state, double time);
   // All so far are of state 0, as of a motion that begins there.
   void begin_at_last();
-  // Sets what is learned in an engine, after its values have been set back.
-  using Set = std::function<void(Engine&)>;
-  // The engines as they are in the step that ends at a state; 0: at the start.
-  void set_for_step(std::size_t until, const Set& set_learned);
+  // The engines as they are in the step that ends at a state; 0: at the start. Costs in proportion to what the changes
+  // between the present step and that one concern.
+  void set_for_step(std::size_t until);
+  // At most, of the values that changes have replaced.
+  [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] bool any_at(std::size_t state) const;
 
  private:
-  // Values of an engine before changes that concern them.
-  struct Before {
-    Engine& engine;
-    std::vector<std::function<void()>> put_back;
-  };
-  void remember(const Change& change, Before& before) const;
-  void put_back();
-  void tell();
+  using PutBack = std::vector<std::function<void(Engine&)>>;
+  // What the engines have that a change is to replace.
+  [[nodiscard]] PutBack values_before(const Change& change) const;
+  void make_next();
+  void undo_last();
 
   const std::vector<Change>& changes_;
   LearnedSets& learned_;
   std::vector<std::size_t> order_;   // numbers of changes to come, in the order in which they are made
   std::vector<std::size_t> states_;  // [change made], rising
-  std::vector<Before> engines_;
-  std::size_t applied_ = 0;
+  std::vector<Engine*> engines_;
+  std::vector<PutBack> made_;  // [change made]
 };
 
 }  // namespace springnet::learning

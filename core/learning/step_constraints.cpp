@@ -12,6 +12,7 @@
 
 #include "constraints/acceleration_gradients.hpp"
 #include "learning/contact_output.hpp"
+#include "learning/node_vectors.hpp"
 #include "learning/rigid_output.hpp"
 #include "learning/touching_cluster.hpp"
 #include "simulation/host_table.hpp"
@@ -25,15 +26,8 @@ using Eigen::VectorXd;
 
 // Matrices of a cluster are dense.
 constexpr std::size_t most_of_cluster = 100;
-
-Vector3 node_of(const VectorXd& of, std::uint32_t node) {
-  const Index n = of.size() / 3;
-  return {of[node], of[n + node], of[2 * n + node]};
-}
-void add_to_node(VectorXd& to, std::uint32_t node, const Vector3& change) {
-  const Index n = to.size() / 3;
-  for (Index axis = 0; axis < 3; ++axis) to[axis * n + node] += change[axis];
-}
+// In contact they are found by some 40 sweeps for each node, 4 s in all for a step of 32 nodes.
+constexpr std::size_t most_of_touching_cluster = 40;
 
 }  // namespace
 
@@ -129,8 +123,10 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
     if (!derivative)
       throw Error(
           ErrorKind::simulation,
-          fmt::format("learning: the contact of node {} with {} at {:g} s is not differentiated", model.user_number(k),
-                      model.contact.name_of(static_cast<std::size_t>(each.touch.surface)), step.until_time));
+          fmt::format(
+              "learning: the contact of node {} with {} at {:g} s is not differentiated; learn from the time before it",
+              model.user_number(k), model.contact.name_of(static_cast<std::size_t>(each.touch.surface)),
+              step.until_time));
     Eigen::MatrixXd by_times;
     if (derivative->has_times) by_times = derivative->by_times;
     outputs.add({k}, derivative->by_state, {}, std::move(by_times));
@@ -174,6 +170,14 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
     std::vector<StepContact> own;
     for (const StepContact& each : contacts)
       if (rigid.cluster_of()[each.node] == c && model.contact.fixed()[each.node] == 0) own.push_back(each);
+    if (!own.empty() && cluster.nodes.size() > most_of_touching_cluster)
+      throw Error(ErrorKind::simulation,
+                  fmt::format("learning: rigid connections join {} nodes, of which node {} touches {} at {:g} s; up to "
+                              "{} are differentiated while they touch; use springs for some of them, or learn from the "
+                              "time before it",
+                              cluster.nodes.size(), model.user_number(own.front().node),
+                              model.contact.name_of(static_cast<std::size_t>(own.front().touch.surface)),
+                              step.until_time, most_of_touching_cluster));
     auto derivative = own.empty()
                           ? output_derivative(cluster)
                           : output_differences(model, c, places.start, places.step, step.until_time, own, cluster);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "constraints/vectors.hpp"
+#include "learning/node_vectors.hpp"
 
 namespace springnet::learning {
 namespace {
@@ -44,11 +45,6 @@ void copy_state(const springnet_state& from, std::uint32_t nodes, VectorXd& p, V
     for (const double* component : {arrays[half]->x, arrays[half]->y, arrays[half]->z})
       next = std::copy_n(component, nodes, next);
   }
-}
-
-Vector3 node_of(const VectorXd& of, std::uint32_t node) {
-  const Index n = of.size() / 3;
-  return {of[node], of[n + node], of[2 * n + node]};
 }
 
 }  // namespace

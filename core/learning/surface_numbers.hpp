@@ -14,7 +14,7 @@
 namespace springnet::learning {
 
 // A node over a step from (p, v) at t0 to (P, U) at t1: by p, v, V, and by P, on which normals depend, by t0 and t1.
-inline constexpr std::size_t by_p = 0, by_v = 3, by_free = 6, by_end = 9, by_t0 = 12, by_t1 = 13,
+inline constexpr std::size_t by_p = 0, by_v = 3, by_free = 6, by_end = 9, by_start_time = 12, by_end_time = 13,
                              surface_variables = 14;
 using Number = sdk::Dual<surface_variables>;
 using Vector = invariants::Triple<Number>;

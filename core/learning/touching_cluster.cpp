@@ -8,6 +8,7 @@
 #include <springnet/sdk/host.hpp>
 
 #include "constraints/vectors.hpp"
+#include "learning/at_scope_end.hpp"
 
 namespace springnet::learning {
 
@@ -35,7 +36,7 @@ class Sweep {
   }
 
   struct Input {
-    VectorXd p, v, free, mobility;
+    VectorXd p, v, free, mobility, length;  // length: one number, s, of the step
   };
   struct Output {
     VectorXd both;  // (P, U)
@@ -43,12 +44,13 @@ class Sweep {
   };
   [[nodiscard]] std::optional<Output> operator()(const std::vector<std::uint32_t>& nodes, const Input& input) {
     begin(nodes, input);
+    const double h = input.length[0];
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const auto at = static_cast<Index>(3 * i);
       const Vector3 p = input.p.segment<3>(at), v = input.v.segment<3>(at), free = input.free.segment<3>(at);
       put(0, nodes[i], p);
       put(1, nodes[i], v);
-      put(2, nodes[i], p + step_.h * ((1.0 - step_.theta) * v + step_.theta * free));
+      put(2, nodes[i], p + h * ((1.0 - step_.theta) * v + step_.theta * free));
       put(3, nodes[i], free);
     }
     auto sweep = sdk::sized<springnet_sweep>();
@@ -57,18 +59,18 @@ class Sweep {
     sweep.start_velocity = read_only(vectors(1));
     sweep.next_position = vectors(2);
     sweep.next_velocity = vectors(3);
-    sweep.time_constant = step_.h;
+    sweep.time_constant = h;
     sweep.theta = step_.theta;
     sweep.contacts = contacts_.front().kept ? 1 : 0;
     std::vector<double> masses;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      masses.push_back(model_.mass[nodes[i]]);
+    for (const std::uint32_t node : nodes) masses.push_back(model_.mass[node]);
+    const AtScopeEnd put_back([&] {
+      for (std::size_t i = 0; i < nodes.size(); ++i) model_.mass[nodes[i]] = masses[i];
+    });
+    for (std::size_t i = 0; i < nodes.size(); ++i)
       if (const double w = input.mobility[static_cast<Index>(i)]; w > 0.0) model_.mass[nodes[i]] = 1.0 / w;
-    }
     springnet_message message{};
-    const springnet_status status = model_.rigid.constrain(step_.end, cluster_, sweep, message);
-    for (std::size_t i = 0; i < nodes.size(); ++i) model_.mass[nodes[i]] = masses[i];
-    if (status != SPRINGNET_OK) return std::nullopt;
+    if (model_.rigid.constrain(step_.end, cluster_, sweep, message) != SPRINGNET_OK) return std::nullopt;
     Output output;
     output.both.resize(static_cast<Index>(6 * nodes.size()));
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -145,7 +147,7 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
                                                     const std::vector<StepContact>& contacts,
                                                     const ClusterOverStep& given) {
   Sweep sweep(model, cluster, start, step, until, contacts);
-  const Sweep::Input input{given.p, given.v, given.free, given.mobility};
+  const Sweep::Input input{given.p, given.v, given.free, given.mobility, VectorXd::Constant(1, step.h)};
   const std::optional<Sweep::Output> base = sweep(given.nodes, input);
   const Index size = given.p.size(), nodes = given.mobility.size();
   // As where there are no surfaces: steps have settled to the tolerance of the integrator only.
@@ -171,7 +173,7 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
     return (ends[0] - ends[1]) / (2.0 * h);
   };
   // typical: size of such derivatives; those that are much smaller are rounding.
-  const auto fill = [&](VectorXd Sweep::Input::*part, Index place, double h, double typical, auto column) {
+  const auto fill = [&](VectorXd Sweep::Input::*part, Index place, double h, double typical, auto&& column) {
     std::optional<VectorXd> found = difference(part, place, h);
     for (int i = 0; i < most_finer; ++i) {
       std::optional<VectorXd> next = difference(part, place, h /= finer);
@@ -196,6 +198,12 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
     if (const double own = given.mobility[i];
         own > 0.0 && !fill(&Sweep::Input::mobility, i, step_share * own, speed / own, result.by_mobility.col(i)))
       return std::nullopt;
+  // Where surfaces move they would be elsewhere at the end of a longer step.
+  const std::vector<Obstacle>& surfaces = model.contact.obstacles();
+  if (std::none_of(surfaces.begin(), surfaces.end(), [](const Obstacle& each) { return each.moves(); })) {
+    result.by_length.setZero(2 * size);
+    if (!fill(&Sweep::Input::length, 0, step_share * step.h, speed, result.by_length)) result.by_length.resize(0);
+  }
   return result;
 }
 

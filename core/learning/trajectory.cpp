@@ -74,7 +74,7 @@ void Trajectory::plan(std::size_t steps) {
   events_ = simulation_.events().size();
   use_ = {};
   use_.part = std::clamp(bytes_of_part / each_, least_of_part, most_of_part);
-  if (steps < memory_ / each_) {
+  if (reserved_ < memory_ && steps < (memory_ - reserved_) / each_) {
     states_.resize(steps + 1);
     return;
   }
@@ -85,20 +85,21 @@ void Trajectory::plan(std::size_t steps) {
 
 std::size_t Trajectory::find_places() const {
   const std::size_t states =
-      (std::min(use_.part, steps_ + 1) + 1) * each_ + most_divided_ + most_of_step_ + most_passed_;
+      (std::min(use_.part, steps_ + 1) + 1) * each_ + reserved_ + most_divided_ + most_of_step_ + most_passed_;
   if (memory_ >= states + largest_saved_) return (memory_ - states) / largest_saved_;
-  const std::string of_events = most_divided_ == 0 ? "" : fmt::format(", with events until {:g} s,", times_.back());
+  std::string beside = most_divided_ == 0 ? "" : fmt::format(", with events until {:g} s,", times_.back());
+  if (reserved_ > 0) beside += ", with what changes of the net have replaced,";
   throw Error(ErrorKind::input,
               fmt::format("learning: {:.3g} MiB of memory are too few for the states of {} steps in a row{} and a "
                           "saved one; give at least {:.3g} MiB{}",
-                          mebibytes(memory_), use_.part, of_events, mebibytes(states + largest_saved_),
+                          mebibytes(memory_), use_.part, beside, mebibytes(states + largest_saved_),
                           most_divided_ == 0 ? "" : ", and more for later events"));
 }
 
 std::size_t Trajectory::bytes() const noexcept {
   const bool any_beside = beside_number_ != none;
   return (count_ + (any_beside ? 1 : 0)) * each_ + divided_ + (any_beside ? bytes_of(beside_.parts) : 0) +
-         most_passed_ + saved_bytes_;
+         most_passed_ + saved_bytes_ + reserved_;
 }
 
 void Trajectory::count() {

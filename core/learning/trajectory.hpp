@@ -37,6 +37,8 @@ class Trajectory {
 
   // Bytes, of states, with those within divided steps, and of saved states. Of the runs to come.
   void set_memory(std::size_t bytes) noexcept { memory_ = bytes; }
+  // Bytes of these that other things take beside it.
+  void set_reserved(std::size_t bytes) noexcept { reserved_ = bytes; }
   // Makes steps from the present state of the simulation; made(k) is called after each, with the number of the state
   // that it has reached. Throws what step() and `made` throw, and Error(input) if the budget is too small for a part;
   // there are then no states.
@@ -98,7 +100,7 @@ class Trajectory {
   Record record_;
   PartRecorder& recorder_;
   bool saves_;
-  std::size_t memory_ = std::size_t{1} << 30;
+  std::size_t memory_ = std::size_t{1} << 30, reserved_ = 0;
   std::size_t steps_ = 0;      // of the run
   std::vector<double> times_;  // [state] s
   // States from first_ on: all, or those of a part; and one of a part beside it.

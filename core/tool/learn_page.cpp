@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,12 +34,11 @@ Figure search_course(const LearnedNet& learned) {
       {}};
   const std::vector<LearnProgress>& history = learned.history;
   if (history.empty()) return result;
-  constexpr std::size_t most_stages = 8, most_markers = 60;  // that can be told apart
-  std::set<double> shares;
-  for (const LearnProgress& each : history) shares.insert(each.share);
-  const bool has_stages = shares.size() > 1 && shares.size() <= most_stages;
+  constexpr std::size_t most_markers = 60;  // that can be told apart
+  const bool is_online = learned.method == "online";
+  const bool has_stages = !is_online && history.front().share < 1.0;
   FigurePanel panel;
-  panel.x_label = has_stages || history.front().share >= 1.0 ? "iteration" : "time step";
+  panel.x_label = is_online ? "time step" : "iteration";
   panel.y_label = "log10 of the rms of weighted differences";
   panel.has_plain_lines = true;
   double share = -1.0;

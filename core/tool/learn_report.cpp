@@ -88,6 +88,7 @@ std::string text_of(Table table, const std::string& rest_in) {
 std::string iterations_text(const LearnedNet& learned) {
   if (learned.history.empty()) return "no iteration";
   const int all = learned.history.back().iteration;
+  if (learned.method == "online") return counted(static_cast<std::uint64_t>(all), "time step");
   const auto first = std::find_if(learned.history.begin(), learned.history.end(),
                                   [](const LearnProgress& each) { return each.share >= 1.0; });
   const int before = first == learned.history.end() ? all : first->iteration;

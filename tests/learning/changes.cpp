@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -11,10 +12,12 @@
 #include <springnet/learn.hpp>
 #include <springnet/motion_derivatives.hpp>
 
+#include "derivative_check.hpp"
 #include "generator.hpp"
 #include "motion_loss.hpp"
 #include "nets.hpp"
 #include "refusal.hpp"
+#include "uneven.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -32,12 +35,9 @@ Network changing(bool falls) {
   const std::uint32_t dragged = net.add_neuron(LawUse{"dragged", {{"drag", 0.2}}});
   net.add_lattice("block", lattice, {},
                   net.add_material({LawUse{"linear", {{"stiffness", 60.0}}}, LawUse{"linear", {{"damping", 0.4}}}}));
-  Dice dice(5);
+  make_uneven(net, 5, 0.04, 0.5, [](const Vector3&) { return Vector3(0, 0, -0.3); });
   for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
     Node own = net.nodes()[k];
-    own.position += dice.in_box(0.04);
-    own.velocity = dice.in_box(0.5) + Vector3(0, 0, -0.3);
-    own.mass = dice.between(0.5, 2.0);
     own.neuron = dragged;
     net.set_node(k, own);
   }
@@ -144,6 +144,48 @@ TEST_CASE("the gradient of a motion of a net that changes is that of differences
         motion.run(values);
       }
     }
+}
+
+// Each value is set, scaled and set again, so that going back has to undo one change after another.
+TEST_CASE("the gradient of a motion with a hundred changes is that of differences") {
+  Network net = changing(false);
+  const std::size_t springs = net.springs().size();
+  Dice dice(8);
+  for (int i = 0; i < 100; ++i) {
+    Change next;
+    next.time = 0.01 * i + 0.005;
+    for (int k = 0; k < 3; ++k) next.springs.push_back(dice.below(static_cast<std::uint32_t>(springs)));
+    std::sort(next.springs.begin(), next.springs.end());
+    next.springs.erase(std::unique(next.springs.begin(), next.springs.end()), next.springs.end());
+    if (i % 5 == 0)
+      next.spring = {{"stiffness", dice.between(40.0, 80.0)}};
+    else
+      next.reference_scale = dice.between(0.98, 1.02);
+    net.add_change(next);
+  }
+  check_derivatives(net, method(0.5, newton, 0.01), 1.0, everything(springs), {1e-5, 1e-6});
+  check_derivatives(net, method(0.5, newton, 0.01), 1.0, everything(springs), {1e-5, 1e-6, 60'000});
+}
+
+TEST_CASE("values that changes replace count in the memory that a motion is given") {
+  Network net = changing(false);
+  Change all_of_them;
+  all_of_them.springs = all(net.springs().size());
+  all_of_them.spring = {{"stiffness", 50.0}};
+  for (int i = 1; i <= 1000; ++i) {
+    all_of_them.time = 0.0009 * i;
+    net.add_change(all_of_them);
+  }
+  MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), method(1.0, newton, 0.01), 1.0,
+                           {{Kind::mass, false, "", {1}}});
+  const std::size_t values = 1000 * net.springs().size() * sizeof(double);
+  motion.run(motion.values_of_network());
+  CHECK(motion.kept().bytes > values);
+  motion.set_memory(values);
+  const std::string said = refusal_of([&] { motion.run(motion.values_of_network()); });
+  CAPTURE(said);
+  CHECK(said.find("of memory are too few for the states of 64 steps in a row, with what changes of the net have "
+                  "replaced, and") != std::string::npos);
 }
 
 TEST_CASE("what a change sets does not depend on what was learned before") {

@@ -12,9 +12,11 @@
 #include <springnet/learn.hpp>
 #include <springnet/motion_derivatives.hpp>
 
+#include "derivative_check.hpp"
 #include "learning_nets.hpp"
 #include "motion_loss.hpp"
 #include "refusal.hpp"
+#include "touching_nets.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -23,81 +25,17 @@ using Kind = LearnedValues::Kind;
 
 namespace {
 
-// Eight nodes as a block, no two alike.
-Network block_at(const Vector3& place, const Vector3& velocity, std::uint64_t seed = 5) {
-  Network net;
-  Lattice lattice;
-  lattice.nodes = {2, 2, 2};
-  lattice.spacing = {0.2, 0.2, 0.2};
-  lattice.origin = place;
-  lattice.diagonals = Diagonals::face;
-  net.add_lattice("block", lattice, Node{}, net.add_material(damped(200.0, 2.0)));
-  Dice dice(seed);
-  for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
-    Node own = net.nodes()[k];
-    own.position += dice.in_box(0.02);
-    own.velocity = velocity + dice.in_box(0.1);
-    own.mass = dice.between(0.5, 2.0);
-    net.set_node(k, own);
-  }
-  net.set_gravity({0, 0, -9.81});
-  return net;
-}
-
-std::vector<LearnedValues> values_of(const Network& net) {
-  const std::size_t springs = net.springs().size(), nodes = net.nodes().size();
-  std::vector<std::uint32_t> moving = all(nodes);
-  std::erase_if(moving, [&](std::uint32_t k) { return net.nodes()[k].fixed; });
-  std::vector<LearnedValues> result;
-  if (springs > 0)
-    result = {{Kind::spring_parameter, false, "stiffness", all(springs)},
-              {Kind::viscosity_parameter, false, "damping", all(springs)},
-              {Kind::rest_length, false, "", all(springs)}};
-  if (!net.loads().empty()) result.push_back({Kind::load, false, "", all(net.loads().size())});
-  result.push_back({Kind::mass, false, "", moving});
-  result.push_back({Kind::initial_velocity, false, "", moving});
-  return result;
-}
-
-// The adjoint against the tangent, and both against differences.
-void check_derivatives(const Network& given, double theta, double rule, double duration,
-                       std::vector<LearnedValues> learned, double step = 0.02, double force_tolerance = 0.0) {
-  const auto net = std::make_shared<const Network>(given);
+// Steps of nodes in contact settle to less than others where forces are great.
+void check_derivatives(const Network& net, double theta, double rule, double duration,
+                       const std::vector<LearnedValues>& learned, double step = 0.02, double force_tolerance = 0.0) {
   SimulationOptions options = method(theta, rule, step);
-  if (force_tolerance > 0.0) options.integrator.parameters["force_tolerance"] = force_tolerance;
-  MotionDerivatives motion(net, plugins(), options, duration, std::move(learned));
-  const VectorXd values = motion.values_of_network();
-  motion.run(values);
-  const Loss loss(motion.step_count() + 1, net->nodes().size());
-  const VectorXd gradient = loss.gradient(motion);
-  Dice dice(3);
-  Eigen::MatrixXd changes(values.size(), 2);
-  for (Eigen::Index i = 0; i < changes.size(); ++i)
-    changes.data()[i] = dice.between(-1, 1) * std::max(0.1, std::abs(values[i % values.size()]));
-  const VectorXd along = loss.along(motion, changes);
-  for (Eigen::Index j = 0; j < changes.cols(); ++j) {
-    CHECK(gradient.dot(changes.col(j)) == doctest::Approx(along[j]).epsilon(1e-8));
-    const auto at = [&](double h) {
-      motion.run(values + h * changes.col(j));
-      return loss.of(motion);
-    };
-    // Of fourth order: so near that no event moves to another step.
-    constexpr double h = 1e-5;
-    const double difference = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
-    CHECK(along[j] == doctest::Approx(difference).epsilon(force_tolerance > 0.0 ? 1e-6 : 2e-7));
+  Differences how;
+  if (force_tolerance > 0.0) {
+    options.integrator.parameters["force_tolerance"] = force_tolerance;
+    how.accuracy = 1e-6;
   }
+  testing::check_derivatives(net, options, duration, learned, how);
 }
-
-Plane floor_with(const Friction& friction, const Vector3& normal = Vector3::UnitZ()) {
-  Plane plane;
-  plane.name = "floor";
-  plane.normal = normal;
-  plane.friction = friction;
-  return plane;
-}
-
-constexpr Friction held{Friction::Kind::held, 0.0}, smooth{Friction::Kind::none, 0.0},
-    rough{Friction::Kind::coulomb, 0.3};
 
 }  // namespace
 
@@ -217,9 +155,7 @@ TEST_CASE("derivatives of rigid bodies that touch a plane, with every friction a
                       net.add_node(point({1, 0.5, 0.06}, 1.0, {0.2, 0, -0.3})));
         net.add_spring(carried + 1, carried, soft);
         net.set_gravity({0, 0, -9.81});
-        Plane floor = floor_with(friction, {0.1, -0.05, 1.0});
-        floor.restitution = restitution;
-        net.add_plane(floor);
+        net.add_plane(floor_with(friction, {0.1, -0.05, 1.0}, restitution));
         std::vector<LearnedValues> learned = values_of(net);
         learned.back().members = {carried};
         // Forces of some 1000 N are not known to less.
@@ -319,6 +255,28 @@ TEST_CASE("contact is differentiated with the same bits in little memory, and st
   Eigen::MatrixXd positions, velocities;
   motion.step_tangents(1, positions, velocities);
   CHECK((positions - at_end).norm() <= 1e-8 * at_end.norm());
+}
+
+// Differences of sweeps take time in proportion to a high power of their number.
+TEST_CASE("rigid connections of many nodes that touch are refused with their number and node") {
+  Network net;
+  for (NodeIndex k = 0; k < 42; ++k) {
+    net.add_node(point({0.1 * k, k % 2 == 0 ? 0.0 : 0.1, 0.002 + 0.001 * k}, 1.0, {0, 0, -1.0}));
+    if (k > 0) net.add_rigid(k - 1, k);
+  }
+  net.add_plane(floor_with(smooth));
+  MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), method(1.0, wavefront, 0.005), 0.005,
+                           {{Kind::mass, false, "", {0}}});
+  motion.run(motion.values_of_network());
+  std::string said;
+  try {
+    static_cast<void>(gradient_of_end(motion, 0, 2));
+  } catch (const Error& error) {
+    said = error.what();
+  }
+  CAPTURE(said);
+  CHECK(said.find("rigid connections join 42 nodes, of which node 0 touches plane 'floor' (number 0) at 0.005 s; up to "
+                  "40 are differentiated while they touch") != std::string::npos);
 }
 
 TEST_CASE("velocities of nodes that are constrained from the start are refused") {

@@ -13,6 +13,7 @@
 #include "generator.hpp"
 #include "motion_loss.hpp"
 #include "nets.hpp"
+#include "uneven.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -31,14 +32,7 @@ Network varied() {
   Node node;
   node.neuron = net.add_neuron({"dragged", {{"drag", 0.1}}});
   net.add_lattice("block", lattice, node, net.add_material(damped(60.0, 1.0)));
-  Dice dice(5);
-  for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
-    Node own = net.nodes()[k];
-    own.position += dice.in_box(0.05);
-    own.velocity = dice.in_box(0.5);
-    own.mass = dice.between(0.5, 2.0);
-    net.set_node(k, own);
-  }
+  make_uneven(net, 5, 0.05, 0.5, [](const Vector3&) { return Vector3(0, 0, 0); });
   net.fix(0);
   const MaterialIndex cubic = net.add_material(
       {LawUse{"nonlinear", {{"stiffness", 20.0}, {"cubic", 40.0}}}, LawUse{"linear", {{"damping", 0.7}}}});

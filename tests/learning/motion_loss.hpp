@@ -25,6 +25,20 @@ inline SimulationOptions method(double theta, double rule, double step = 0.02) {
   return options;
 }
 
+// Steps are divided where events are located.
+inline SimulationOptions located(double theta, double step, double rule = newton) {
+  SimulationOptions result = method(theta, rule, step);
+  result.integrator.parameters["events"] = 1.0;
+  return result;
+}
+
+// Of the position of a node at the end by all values.
+inline Eigen::VectorXd gradient_of_end(MotionDerivatives& motion, NodeIndex node, Eigen::Index axis) {
+  return motion.adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
+    if (state == motion.step_count()) add.positions(axis, node) = 1.0;
+  });
+}
+
 // A loss of all states, with weights at random, and its derivatives.
 struct Loss {
   std::vector<MotionDerivatives::StateChange> weights;

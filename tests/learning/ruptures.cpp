@@ -14,10 +14,10 @@
 #include <springnet/learn.hpp>
 #include <springnet/motion_derivatives.hpp>
 
-#include "generator.hpp"
 #include "learning_nets.hpp"
 #include "motion_loss.hpp"
 #include "nets.hpp"
+#include "torn_net.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -26,45 +26,7 @@ using Kind = LearnedValues::Kind;
 
 namespace {
 
-// A block that is torn: weak springs, springs that are damaged until they break, an angle and loaded faces along them,
-// a cut.
-Network torn() {
-  Network net;
-  Lattice lattice;
-  lattice.nodes = {4, 2, 2};
-  lattice.diagonals = Diagonals::face;
-  net.add_lattice("block", lattice, {},
-                  net.add_material({LawUse{"rupturing", {{"stiffness", 60.0}, {"strength", 9.0}}},
-                                    LawUse{"linear", {{"damping", 0.4}}}}));
-  Dice dice(5);
-  for (NodeIndex k = 0; k < net.nodes().size(); ++k) {
-    Node own = net.nodes()[k];
-    own.position += dice.in_box(0.04);
-    own.velocity = Vector3(1.2 * own.position.x(), 0, 0) + dice.in_box(0.3);
-    own.mass = dice.between(0.5, 2.0);
-    net.set_node(k, own);
-  }
-  net.fix(0);
-  const MaterialIndex damaged = net.add_material({LawUse{"damaging",
-                                                         {{"stiffness", 40.0},
-                                                          {"threshold_strain", 0.01},
-                                                          {"softening_strain", 0.4},
-                                                          {"relaxation_time", 0.05},
-                                                          {"breaking_damage", 0.5}}},
-                                                  std::nullopt});
-  net.add_spring(0, 7, damaged);
-  net.add_spring(1, 10, damaged);
-  const MaterialIndex bending =
-      net.add_material({LawUse{"linear", {{"stiffness", 3.0}}}, LawUse{"linear", {{"damping", 0.2}}}});
-  net.add_element(Invariant::angle, {1, 2, 7}, bending, 1.6);
-  Load blown;
-  blown.faces = net.faces();
-  blown.pressure = 1.0;
-  blown.follow = true;
-  net.add_load(blown);
-  net.add_cut({0.2, {0, 5}, {}});
-  return net;
-}
+Network torn_with_damage() { return torn(0.2, true); }
 
 std::vector<std::pair<double, std::uint32_t>> what_broke(const MotionDerivatives& motion) {
   std::vector<std::pair<double, std::uint32_t>> result;
@@ -75,7 +37,7 @@ std::vector<std::pair<double, std::uint32_t>> what_broke(const MotionDerivatives
 }  // namespace
 
 TEST_CASE("the gradient of a motion in which springs break is that of differences in which the same ones do") {
-  const auto net = std::make_shared<const Network>(torn());
+  const auto net = std::make_shared<const Network>(torn_with_damage());
   const auto springs = static_cast<SpringIndex>(net->springs().size());
   std::vector<std::uint32_t> weak = all(springs - 2);
   for (const double theta : {1.0, 0.5})
@@ -128,7 +90,7 @@ TEST_CASE("the gradient of a motion in which springs break is that of difference
 }
 
 TEST_CASE("a spring that breaks while the net learns is gone from the next step's derivatives") {
-  const auto net = std::make_shared<const Network>(torn());
+  const auto net = std::make_shared<const Network>(torn_with_damage());
   const auto springs = static_cast<SpringIndex>(net->springs().size());
   const std::vector<LearnedValues> learned{{Kind::spring_parameter, false, "stiffness", all(springs)}};
   MotionDerivatives whole(net, plugins(), method(0.5, newton, 0.01), 0.6, learned);
@@ -151,7 +113,7 @@ TEST_CASE("a spring that breaks while the net learns is gone from the next step'
 }
 
 TEST_CASE("a search tells of ruptures, whose times its derivatives leave as they are") {
-  const Network net = torn();
+  const Network net = torn_with_damage();
   Simulation motion(net, plugins(), method(0.5, newton, 0.01));
   const Observations seen = observe(motion, 60, {3, 8});
   Learnable damping{{Kind::viscosity_parameter, false, "damping", {10, 11, 12}}, true};

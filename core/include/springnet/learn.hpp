@@ -223,6 +223,7 @@ struct LearnedStart {
 };
 
 struct LearnedNet {
+  std::string method = "trajectory";  // or "online"
   std::vector<LearnedParameter> parameters;
   Eigen::VectorXd values;  // of all, as of MotionDerivatives
   double start_cost = 0.0, cost = 0.0;

@@ -51,7 +51,7 @@ struct LearnedValues {
 // surfaces move with the values, and that is part of the derivatives. Without, they are those of motions in which the
 // same happens in the same steps. Refused with a message are changes at times of the integrator, of inputs of laws and
 // such as remove nodes, steps that were divided as they did not settle, nodes that are jammed, rigid connections that
-// join more than 100 nodes, and some located events (core/docs/learning.md).
+// join more than 100 nodes, or more than 40 while some touch, and some located events (core/docs/learning.md).
 class SPRINGNET_API MotionDerivatives {
  public:
   // duration: s, a whole number of time steps is made, at least one. Throws as Simulation(), and Error(input) for an

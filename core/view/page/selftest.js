@@ -119,7 +119,7 @@
       if (run.springs > 0) found.spring = s.numbers_of({ spring: 0 }, last).concat(s.numbers_of({ spring: run.springs - 1 }, last));
       found.node = s.numbers_of({ node: run.nodes - 1 }, last);
       if (run.elements > 0) found.element = s.numbers_of({ element: 0 }, last);
-      found.below = document.querySelectorAll("#figures svg .curve").length;
+      found.below = document.querySelectorAll("#figures svg .curve, #figures svg circle").length;
       return found;
     }
     // Whether a click in the middle of a broken spring that is too long to be drawn picks it.

@@ -1,0 +1,24 @@
+// Access to one node in a vector of all nodes: x of all of them in the engine's order, then y, then z.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include <springnet/network.hpp>
+
+namespace springnet::learning {
+
+[[nodiscard]] inline Vector3 node_of(const Eigen::Ref<const Eigen::VectorXd>& of, std::uint32_t node) {
+  const Eigen::Index n = of.size() / 3;
+  return {of[node], of[n + node], of[2 * n + node]};
+}
+inline void put_node(Eigen::Ref<Eigen::VectorXd> to, std::uint32_t node, const Vector3& value) {
+  const Eigen::Index n = to.size() / 3;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) to[axis * n + node] = value[axis];
+}
+inline void add_to_node(Eigen::Ref<Eigen::VectorXd> to, std::uint32_t node, const Vector3& change) {
+  put_node(to, node, node_of(to, node) + change);
+}
+
+}  // namespace springnet::learning

@@ -1,0 +1,93 @@
+// What of a motion with located events has no derivative: refused with the event, and what to do.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <springnet/error.hpp>
+#include <springnet/motion_derivatives.hpp>
+
+#include "motion_loss.hpp"
+#include "touching_nets.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+using Kind = LearnedValues::Kind;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// What is said of a motion whose first mass is learned, or of its derivatives.
+std::string refusal_of_motion(const Network& net, double duration) {
+  const auto shared = std::make_shared<const Network>(net);
+  std::uint32_t free = 0;
+  while (net.nodes()[free].fixed) ++free;
+  MotionDerivatives motion(shared, plugins(), located(0.5, 0.01), duration, {{Kind::mass, false, "", {free}}});
+  try {
+    motion.run(motion.values_of_network());
+    static_cast<void>(gradient_of_end(motion, free, 0));
+  } catch (const Error& error) {
+    CHECK(error.kind() == ErrorKind::simulation);
+    return error.what();
+  }
+  return {};
+}
+
+Plane wall_with(const Friction& friction) {
+  Plane wall = floor_with(friction, -Vector3::UnitX());
+  wall.name = "wall";
+  wall.point = {0.5, 0, 0};
+  return wall;
+}
+
+}  // namespace
+
+TEST_CASE("events of nets whose laws have internal states are refused") {
+  Network net;
+  Node wall = point({0, 0, 0}), node = point({1, 0, 0}, 1.0, {2, 0, 0});
+  wall.fixed = true;
+  net.add_node(wall);
+  net.add_node(node);
+  net.add_spring(0, 1,
+                 net.add_material({LawUse{"damaging",
+                                          {{"stiffness", 40.0},
+                                           {"threshold_strain", 0.01},
+                                           {"softening_strain", 0.1},
+                                           {"relaxation_time", 0.05},
+                                           {"breaking_damage", 0.5}}},
+                                   std::nullopt}));
+  const std::string said = refusal_of_motion(net, 0.6);
+  CAPTURE(said);
+  CHECK(has(said, "the rupture of spring 0 at 0."));
+  CHECK(has(said, "laws that have internal states; set events = \"stepwise\""));
+}
+
+TEST_CASE("events of nodes that are rigidly connected are refused") {
+  Network net;
+  net.add_node(point({0, 0, 0.1}));
+  net.add_node(point({0.3, 0, 0.2}));
+  net.add_rigid(0, 1);
+  net.set_gravity({0, 0, -9.81});
+  net.add_plane(floor_with(smooth));
+  const std::string said = refusal_of_motion(net, 0.3);
+  CAPTURE(said);
+  CHECK(has(said, "the touch of node 0 with plane 'floor' (number 0) at 0.14"));
+  CHECK(has(said, "as the node is rigidly connected; set events = \"stepwise\""));
+}
+
+TEST_CASE("an impact with friction on the edge of two surfaces is refused with its node and surface") {
+  Network net;
+  net.add_node(point({0, 5, 0}));
+  net.add_node(point({0.2, 0, 0}, 1.0, {2.0, 1.0, 0}));  // slides on the floor into the wall
+  net.set_gravity({0, 0, -9.81});
+  net.add_plane(floor_with(rough));
+  net.add_plane(wall_with(rough));
+  const std::string said = refusal_of_motion(net, 0.3);
+  CAPTURE(said);
+  CHECK(has(said, "the contact of node 1 with plane 'floor' (number 0) at 0."));
+  CHECK(has(said, "is not differentiated; learn from the time before it"));
+}
