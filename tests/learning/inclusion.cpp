@@ -23,8 +23,9 @@ TEST_CASE("a stiff inclusion is found from motions of the surface with 1 % noise
   const Inclusion real = inclusion(with);
   LearnOptions options;
   options.stages = 1;
-  options.tolerance = 1e-3;
-  if (!is_small) options.max_iterations = 6;
+  // Far from the least cost an iteration over many springs lowers it by less than 1e-3 of itself.
+  options.tolerance = is_small ? 1e-3 : 1e-4;
+  if (!is_small) options.max_iterations = 20;
   if (is_small)
     options.guess_rule = GuessRule::discrepancy;
   else
