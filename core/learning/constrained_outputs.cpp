@@ -56,6 +56,13 @@ void ConstrainedOutputs::from_free(const VectorXd& free, VectorXd& end_dp, Vecto
   }
 }
 
+void ConstrainedOutputs::clear_unused(VectorXd& free) const {
+  for (const Block& block : blocks_) {
+    const auto size = static_cast<Index>(3 * block.nodes.size());
+    if (block.derivative.rightCols(size).isZero(0.0)) scatter(block, VectorXd::Zero(size), free);
+  }
+}
+
 void ConstrainedOutputs::add_masses(const VectorXd& masses, VectorXd& end_dp, VectorXd& end_dv) const {
   for (const Block& block : blocks_) {
     if (block.by_mass.size() == 0) continue;

@@ -26,6 +26,9 @@ class ConstrainedOutputs {
   void from_start(const Eigen::VectorXd& dp, const Eigen::VectorXd& dv, Eigen::VectorXd& end_dp,
                   Eigen::VectorXd& end_dv) const;
   void from_free(const Eigen::VectorXd& free, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
+  // Clears V of nodes whose outputs do not follow it at all, as of those that stick to a surface: solving for it would
+  // leave rounding in others.
+  void clear_unused(Eigen::VectorXd& free) const;
   // Adds what follows from changes of masses, [node] kg.
   void add_masses(const Eigen::VectorXd& masses, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
   // Of constrained nodes: writes (dP, dU) by the time at the start, or the end. Returns a node whose is not known.

@@ -63,6 +63,7 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
   for (Index j = 0; j < columns; ++j) {
     rhs = rhss.col(j);
     clear_pinned(rhs);
+    outputs.clear_unused(rhs);
     solver.solve(rhs, accuracy, solution);
     outputs.from_free(solution, product, other);
     product += dps.col(j);

@@ -27,9 +27,11 @@ namespace {
 
 // Steps of nodes in contact settle to less than others where forces are great.
 void check_derivatives(const Network& net, double theta, double rule, double duration,
-                       const std::vector<LearnedValues>& learned, double step = 0.02, double force_tolerance = 0.0) {
+                       const std::vector<LearnedValues>& learned, double step = 0.02, double force_tolerance = 0.0,
+                       bool same_steps = true) {
   SimulationOptions options = method(theta, rule, step);
   Differences how;
+  how.same_steps = same_steps;
   if (force_tolerance > 0.0) {
     options.integrator.parameters["force_tolerance"] = force_tolerance;
     how.accuracy = 1e-6;
@@ -101,7 +103,8 @@ TEST_CASE("derivatives of nodes that slide along the edge of two surfaces, and a
       net.add_plane(wall);
       std::vector<LearnedValues> learned = values_of(net);
       learned.back().members = {0, 1};
-      check_derivatives(net, theta, newton, 0.2, learned, 0.01);
+      // The node that lies on the edge slips at the start, or in the first step, as rounding decides.
+      check_derivatives(net, theta, newton, 0.2, learned, 0.01, 0.0, false);
     }
 }
 
