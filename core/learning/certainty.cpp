@@ -30,7 +30,7 @@ Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::s
   singular_values_.assign(values.data(), values.data() + values.size());
   const Eigen::Index variables = jacobian.cols();
   const VectorXd lengths = jacobian.colwise().norm();
-  has_influence_ = lengths.array() > no_influence * lengths.maxCoeff();
+  has_influence_ = lengths.array() > std::max(no_influence * lengths.maxCoeff(), unseen);
   Eigen::Index rank = 0;
   while (rank < values.size() && values[rank] > std::max(without_influence * values[0], unseen)) ++rank;
   undetermined_ = static_cast<std::size_t>(variables - rank);
