@@ -41,6 +41,7 @@ class Fit {
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
   [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
+  void forget_failure() noexcept { failure_.clear(); }
   // 1/2 their squares, without those of the guess, with values of one's own; not a number where a motion fails.
   [[nodiscard]] double cost_of(const Eigen::VectorXd& values);
   // Steps of all motions; and a count to which those made from now on are added, see LearnProgress::work.

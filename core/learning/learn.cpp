@@ -159,7 +159,13 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
     VectorXd start = first;
     // What a stage has found may be worse than the start for what it has not seen.
     const auto better = [&](learning::Fit& of) {
-      return of.residuals(start).squaredNorm() <= of.residuals(first).squaredNorm() ? start : first;
+      const double cost = of.residuals(start).squaredNorm();
+      if (!std::isfinite(cost) && !of.why_failed().empty() && result.notes.empty())
+        result.notes.push_back(
+            "With values from the first part of the motion more of it fails, so that the search went "
+            "on from other ones: " +
+            of.why_failed());
+      return cost <= of.residuals(first).squaredNorm() ? start : first;
     };
     search.failure.clear();
     for (int stage = options.stages - 1; stage > 0 && !search.is_over(); --stage) {
@@ -205,6 +211,9 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
                       "of a shorter time",
                       result);
   fit.note_events(result.notes);
+  if (!fit.why_failed().empty())
+    result.notes.push_back("Motions that were tried at the end fail, and the search stepped back from there: " +
+                           fit.why_failed());
   judge.judge(minimum.x, result);
 
   try {

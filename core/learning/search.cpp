@@ -76,6 +76,7 @@ Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) 
   own.on_iteration = [&](const Progress& now, const VectorXd& best) {
     known.x = best;
     known.cost = now.cost;
+    fit.forget_failure();  // what is told at the end is of the last iteration, also after --resume
     known.history.push_back(now);
     if (!options.on_iteration || stopped) return !stopped;
     LearnProgress told = progress(now);

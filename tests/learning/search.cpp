@@ -143,7 +143,7 @@ TEST_CASE("what experiments in threads throw is told, of the first of them") {
   };
   const std::string first = message_of({seen[0], seen[1]}, 1);
   CAPTURE(first);
-  CHECK(has(first, "the rigid connections of node"));
+  CHECK(has(first, "as the node is rigidly connected"));
   CHECK(message_of({seen[0], seen[2]}, 1) != first);
   for (const unsigned threads : {1u, 2u, 3u}) CHECK(message_of(seen, threads) == first);
   LearnOptions options;
@@ -152,7 +152,7 @@ TEST_CASE("what experiments in threads throw is told, of the first of them") {
             "threads must be 0 to"));
 }
 
-TEST_CASE("an error on the way of a search keeps the best values until then, and is told") {
+TEST_CASE("a search steps back from motions that have no derivative, and tells so") {
   // Below the motion of the start is a floor. Softer springs reach it, and the touch of a rigidly connected node at a
   // time that is located is not differentiated.
   const auto chain_with = [](double stiffness, bool has_floor) {
@@ -160,7 +160,7 @@ TEST_CASE("an error on the way of a search keeps the best values until then, and
     net.add_rigid(2, 3);
     Plane floor;
     floor.name = "floor";
-    floor.point = {0, 0, -3.35};
+    floor.point = {0, 0, -3.5};
     if (has_floor) net.add_plane(floor);
     return net;
   };
@@ -175,13 +175,14 @@ TEST_CASE("an error on the way of a search keeps the best values until then, and
     const LearnedNet learned =
         learn({seen}, plugins(), {{{Kind::spring_parameter, false, "stiffness", from_to(0, 2)}, true}}, search);
     CAPTURE(learned.reason);
-    CHECK(has(learned.failure, "the rigid connections of node"));
-    CHECK(has(learned.reason, "An error ended it"));
-    CHECK_FALSE(learned.stopped);
+    CHECK(learned.failure.empty());
     CHECK(learned.cost < learned.start_cost);
     CHECK(learned.values[0] < 60.0);
-    CHECK(learned.history.size() > 1);
-    CHECK(has(to_json(learned), "\"error\": \"learning: the step of the rigid"));
+    CHECK(learned.values[0] > 20.0);
+    const bool is_told = std::any_of(learned.notes.begin(), learned.notes.end(), [](const std::string& note) {
+      return has(note, "stepped back") && has(note, "as the node is rigidly connected");
+    });
+    CHECK(is_told);
   }
   // If it is there at once, nothing was found.
   const Experiment soft = experiment(chain_with(20.0, true), options, seen.observations);

@@ -224,7 +224,7 @@ TEST_CASE("learn takes several experiments, optimisers and starts") {
   CHECK(crossed.json()["rms"].get<double>() > 1e-3);
 }
 
-TEST_CASE("learn warns of a bad fit, and keeps what it has found before an error") {
+TEST_CASE("learn warns of a bad fit, and tells why it could not follow a better one") {
   const TemporaryFolder folder;
   folder.write("real.toml", bar(400, 3));
   // Of another mass, which is not learned.
@@ -259,16 +259,11 @@ TEST_CASE("learn warns of a bad fit, and keeps what it has found before an error
       folder, "learn stiff.toml --observations soft/trajectory.csv --parameters spring.stiffness:together -o early");
   CAPTURE(early.err);
   CAPTURE(early.out);
-  CHECK(early.status == 1);
-  CHECK(has(early.err, "as the node is rigidly connected"));
-  CHECK(has(early.err, "have the best values until then"));
+  CHECK(early.status == 0);
+  CHECK(has(early.out, "With values from the first part of the motion more of it fails"));
+  CHECK(has(early.out, "as the node is rigidly connected"));
   const auto json = testing::read_json(folder.path() / "early/learning.json");
   CHECK(json["cost"].get<double>() < json["start_cost"].get<double>());
-  CHECK(has(json["error"].get<std::string>(), "as the node is rigidly connected"));
-  const double found = json["parameters"][0]["value"];
-  CHECK(found < 800.0);
-  CHECK(has(testing::read_text(folder.path() / "early/learned.toml"), fmt::format("{}", found)));
-  CHECK(has(testing::read_text(folder.path() / "early/learning.html"), "An error ended it"));
 }
 
 TEST_CASE("learn goes on with --resume, to the same files") {
