@@ -82,6 +82,11 @@ double Certainty::half_width(Eigen::Index first, const VectorXd& weights) const 
   return along.cwiseProduct(widths_).norm();
 }
 
+VectorXd Certainty::with_influence(const VectorXd& change) const {
+  const VectorXd along = directions_ * (directions_.transpose() * change);
+  return has_influence_.select(along.array(), 0.0).matrix();
+}
+
 VectorXd Certainty::change_for(const VectorXd& residuals) const { return -(inverse_ * residuals); }
 
 }  // namespace springnet::learning

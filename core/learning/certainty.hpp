@@ -31,6 +31,8 @@ class Certainty {
   // determined, or nothing is left to estimate the variance from.
   [[nodiscard]] double middle(Eigen::Index first, const Eigen::VectorXd& weights) const;
   [[nodiscard]] double half_width(Eigen::Index first, const Eigen::VectorXd& weights) const;
+  // A change of the variables without what has no influence on anything that was observed, in the units of the scale.
+  [[nodiscard]] Eigen::VectorXd with_influence(const Eigen::VectorXd& change) const;
   // The change of the variables that a change of the residuals means, in directions with influence, with the guess.
   [[nodiscard]] Eigen::VectorXd change_for(const Eigen::VectorXd& residuals) const;
 

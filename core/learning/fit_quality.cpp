@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 // Of an rms in units of standard deviations: 1 is noise.
 constexpr double clearly_above = 1.5, far_below = 0.1;
 // Of the share of the motion that is left.
-constexpr double large_share = 0.3, visible_share = 0.02, negligible_share = 1e-3;
+constexpr double large_share = 0.3, visible_share = 0.02, negligible_share = 1e-3, rounding_share = 1e-4;
 // Of the differences with the values at the start.
 constexpr double hardly_fell = 0.5, as_at_start = 0.7;
 // Of the correlation in time. That of n independent pairs deviates by 1/sqrt(n).
@@ -89,27 +89,55 @@ class Courses {
   std::size_t pairs_ = 0;
 };
 
-// What is wrong; empty: nothing.
-std::string complaint(const LearnedNet& result, double left_of_start, std::size_t pairs, bool has_deviations) {
+// "3.4 %", "560 %"
+std::string percent(double share) {
+  return share < 0.1 ? fmt::format("{:.2g} %", 100.0 * share) : fmt::format("{:.0f} %", 100.0 * share);
+}
+
+// What is wrong of a fit.
+struct Complaint {
+  std::string warning;  // a beginning
+  std::string note;
+};
+
+Complaint complaint(const LearnedNet& result, double left_of_start, std::size_t pairs, bool has_deviations) {
   const double share = result.fit.share_of_motion, correlation = result.fit.correlation_in_time;
   const double root = std::sqrt(static_cast<double>(pairs));
   const bool is_correlated = correlation > strong_correlation && correlation * root > by_chance;
+  const bool is_white = pairs >= many_pairs && std::abs(correlation) < no_correlation;
   const std::string in_time =
       is_correlated
           ? fmt::format(", and correlated in time ({:.2f} from one observation of a value to the next)", correlation)
           : "";
   const double chance = 1.0 + 3.0 / std::sqrt(2.0 * static_cast<double>(std::max<std::size_t>(1, result.observed)));
-  if (has_deviations && result.rms > std::max(clearly_above, chance))
-    return fmt::format("The rms of the weighted differences is {:.3g}, where the standard deviations say 1{}",
-                       result.rms, in_time);
-  if (has_deviations && result.rms > far_below) return {};
-  const bool is_white = pairs >= many_pairs && std::abs(correlation) < no_correlation;
+  if (has_deviations && result.rms > std::max(clearly_above, chance)) {
+    if (is_white && left_of_start < as_at_start)
+      return {{},
+              fmt::format("The rms of the weighted differences is {:.3g}, where the standard deviations say 1, but the "
+                          "differences do not hang together in time: they look like noise that is so much larger than "
+                          "the tables say.",
+                          result.rms)};
+    return {fmt::format("The rms of the weighted differences is {:.3g}, where the standard deviations say 1{}",
+                        result.rms, in_time),
+            {}};
+  }
+  const std::string too_narrow =
+      is_correlated && share > rounding_share
+          ? fmt::format(
+                "The differences that are left are correlated in time ({:.2f} from one observation of a value "
+                "to the next): they are no noise, and the intervals, which take them for it, are too narrow.",
+                correlation)
+          : "";
+  if (has_deviations && result.rms > far_below) return {{}, too_narrow};
   const bool is_large = share > large_share && (!is_white || left_of_start > as_at_start);
   const bool is_of_model =
       is_correlated && (share > visible_share || (left_of_start > hardly_fell && share > negligible_share));
-  if (!is_large && !is_of_model) return {};
-  return fmt::format("The differences that are left are {:.2g} % of the motion that was observed{}", 100.0 * share,
-                     in_time);
+  // Of a pose or two there is no correlation in time.
+  const bool did_not_fall = pairs < least_pairs && share > visible_share && left_of_start > as_at_start;
+  if (!is_large && !is_of_model && !did_not_fall) return {{}, too_narrow};
+  return {fmt::format("The differences that are left are {} of the motion that was observed{}{}", percent(share),
+                      did_not_fall ? ", hardly less than at the start" : "", in_time),
+          {}};
 }
 
 }  // namespace
@@ -123,7 +151,8 @@ void judge_fit(const std::vector<Experiment>& experiments, const VectorXd& resid
   const double share = courses.share();
   result.fit.share_of_motion = std::isfinite(share) ? share : left_of_start;
   if (courses.pairs() >= least_pairs) result.fit.correlation_in_time = courses.correlation();
-  const std::string what = complaint(result, left_of_start, courses.pairs(), !have_plain_weights(experiments));
+  auto [what, note] = complaint(result, left_of_start, courses.pairs(), !have_plain_weights(experiments));
+  if (!note.empty()) result.notes.push_back(std::move(note));
   if (what.empty()) return;
   result.fit.warning = fmt::format(
       "{}: that is no noise. The search has ended in a wrong minimum, or the model is not that of what was seen{}. "

@@ -21,6 +21,7 @@
 #include "learning/search.hpp"
 #include "learning/search_journal.hpp"
 #include "learning/several_starts.hpp"
+#include "text/counted.hpp"
 
 namespace springnet {
 
@@ -89,6 +90,21 @@ LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
   return result;
 }
 
+// Along what the data do not determine a search may have moved variables without effect; they are back at the start
+// where all that was observed stays as it is.
+VectorXd without_idle_moves(learning::Fit& fit, const learning::Certainty& certainty, const VectorXd& x,
+                            const VectorXd& residuals) {
+  if (fit.guess_weight() > 0.0 || certainty.undetermined() == 0) return x;
+  const learning::Variables& variables = fit.variables();
+  const VectorXd& scale = variables.scale();
+  const VectorXd back =
+      variables.start() + scale.cwiseProduct(certainty.with_influence((x - variables.start()).cwiseQuotient(scale)));
+  if ((back.array() < variables.lower().array()).any() || (back.array() > variables.upper().array()).any()) return x;
+  constexpr double as_good = 1e-9;
+  const double norm = fit.residuals(back).head(residuals.size()).norm();
+  return norm <= (1.0 + as_good) * residuals.norm() + fit.unseen() ? back : x;
+}
+
 // What the data say of the values x.
 void describe_what_is_known(const std::vector<Experiment>& experiments,
                             const std::shared_ptr<const PluginHost>& plugins, const std::vector<Learnable>& learnables,
@@ -114,8 +130,17 @@ void describe_what_is_known(const std::vector<Experiment>& experiments,
   result.undetermined = certainty.undetermined();
   const VectorXd shift =
       shift_by_half_step(experiments, plugins, learnables, certainty, scale, x, residuals, options, result.notes);
-  if (shift.size() > 0) judge.judge_half_step(x + shift, result);
-  learning::describe(result, variables, x, &certainty, shift);
+  const VectorXd kept = without_idle_moves(fit, certainty, x, residuals);
+  if (kept != x) {
+    result.values = variables.values(kept);
+    judge.judge(kept, result);
+  }
+  if (shift.size() > 0) judge.judge_half_step(kept + shift, result);
+  learning::describe(result, variables, kept, &certainty, shift);
+  if (result.observed + result.undetermined <= result.variables)
+    result.notes.push_back(fmt::format("{} for {} leave nothing to tell the noise from: there are no intervals.",
+                                       counted(result.observed, "observed value"),
+                                       counted(result.variables - result.undetermined, "determined variable")));
 }
 
 }  // namespace

@@ -84,9 +84,9 @@ class ValueReader {
       if (table.has(each)) names_.push_back(each);
     if (const std::size_t other = table.first_other_than(names_))
       file_.fail(
-          fmt::format("column {} of the file is not named '{}', nor as a value of these {}s: {}; correct its "
+          fmt::format("column {} of '{}' is not named '{}', nor as a value of these {}s: {}; correct its "
                       "name, or remove it",
-                      other, owners_.noun, owners_.noun, list_of(known)));
+                      other, printable(file_.text()), owners_.noun, owners_.noun, list_of(known)));
     if (names_.size() == 1)
       file_.fail(fmt::format("the file has no values; add a column with one of these names: {}", list_of(known)));
     rows_ = files.csv_columns(file_, names_);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -21,6 +22,17 @@ std::string number_of(const SceneGuess& guess, double value) {
 
 OutsideFiles outside_of(const SceneArguments& scene) {
   return scene.allow_outside ? OutsideFiles::allowed : OutsideFiles::refused;
+}
+
+// Numbers that differ, to as many digits as they are known at the best.
+void round_changes(const fuzzy::RuleBase& before, fuzzy::RuleBase& after) {
+  for (std::size_t o = 0; o < after.outputs.size(); ++o)
+    for (std::size_t t = 0; t < after.outputs[o].terms.size(); ++t) {
+      std::vector<double>& numbers = after.outputs[o].terms[t].numbers;
+      for (std::size_t k = 0; k < numbers.size(); ++k)
+        if (numbers[k] != before.outputs[o].terms[t].numbers[k])
+          numbers[k] = std::strtod(fmt::format("{:.6g}", numbers[k]).c_str(), nullptr);
+    }
 }
 
 // As it stands in the file, with its comments; the scene has read it.
@@ -54,8 +66,13 @@ CorrectedRules corrected_rules(const GuessedValues& guesses, const LearnedNet& l
   std::vector<fuzzy::Example> examples;
   for (const GuessedValues::Found& each : found) examples.push_back(each.example);
   const SceneGuess& first = guesses.guesses().front();
-  const fuzzy::Correction correction = fuzzy::correct(*first.rules, examples);
-  CorrectedRules result{fuzzy::with_numbers_of(fcl_of(first, scene), correction.base), {}};
+  fuzzy::Correction correction = fuzzy::correct(*first.rules, examples);
+  round_changes(*first.rules, correction.base);
+  CorrectedRules result{
+      "// Corrected by springnet learn: numbers of outputs' terms are learned, comments on them are those of "
+      "the original.\n" +
+          fuzzy::with_numbers_of(fcl_of(first, scene), correction.base),
+      {}};
   for (std::size_t k = 0; k < found.size(); ++k) {
     const SceneGuess& guess = guesses.guesses()[found[k].guess];
     const auto corrected = correction.after[k];

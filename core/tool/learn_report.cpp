@@ -39,7 +39,9 @@ std::vector<std::string> row_of(const LearnedParameter& each, const std::string&
   if (each.at_bound) interval += ", at its bound";
   if (each.is_outside) interval += ", value outside";
   return {value_title(each) + which, fmt::format("{:.6g}", each.start), fmt::format("{:.8g}", each.value), interval,
-          std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step) : "not known"};
+          !each.has_influence                ? ""
+          : std::isfinite(each.by_time_step) ? fmt::format("{:+.2g}", each.by_time_step)
+                                             : "not known"};
 }
 
 Table table_of(const LearnedNet& learned) {
@@ -100,16 +102,18 @@ std::string iterations_text(const LearnedNet& learned) {
 
 std::string report_of(const LearnedNet& learned, const std::string& rest_in) {
   std::string text = fmt::format(
-      "{} variables from {} observed values\n  cost {:.6g} at first, {:.6g} at the end, rms of the "
+      "{} from {}\n  cost {:.6g} at first, {:.6g} at the end, rms of the "
       "weighted differences {:.4g}, {}\n  {}\n{}\n{}",
-      learned.variables, learned.observed, learned.start_cost, learned.cost, learned.rms, iterations_text(learned),
-      learned.reason, learned.fit.warning.empty() ? "" : fmt::format("\n  warning: {}\n", learned.fit.warning),
+      counted(learned.variables, "variable"), counted(learned.observed, "observed value"), learned.start_cost,
+      learned.cost, learned.rms, iterations_text(learned), learned.reason,
+      learned.fit.warning.empty() ? "" : fmt::format("\n  warning: {}\n", learned.fit.warning),
       text_of(table_of(learned), rest_in));
   if (learned.undetermined > 0) {
     text += fmt::format(
-        "\n  {} combinations of the variables have no influence on what was observed: values that they touch are not "
-        "determined. Each of these combinations stays as it was at the start, the values alone need not.\n",
-        learned.undetermined);
+        "\n  {} of the variables {} no influence on what was observed: values that {} touch{} are not determined, and "
+        "what they are says nothing.\n",
+        counted(learned.undetermined, "combination"), learned.undetermined == 1 ? "has" : "have",
+        learned.undetermined == 1 ? "it" : "they", learned.undetermined == 1 ? "es" : "");
   }
   if (!learned.guess_curve.empty())
     text += fmt::format("\n  weight of the guess: {:.4g}, from {} tried\n", learned.guess_weight,
