@@ -133,7 +133,8 @@ TEST_CASE("differences that are no noise are told, and noise is not") {
   for (auto& each : bold.positions) each.weight *= 25.0;
   for (auto& each : plain.positions) each.weight = Vector3::Ones();
   const LearnedNet bolder = learn_masses(guess, bold);
-  CHECK(has(bolder.fit.warning, "where the standard deviations say 1"));
+  CHECK(bolder.fit.warning.empty());
+  CHECK(has_note(bolder, "where the standard deviations say 1, but the differences do not hang together in time"));
   CHECK(bolder.fit.share_of_motion == doctest::Approx(good.fit.share_of_motion).epsilon(1e-3));
   CHECK(learn_masses(guess, plain).fit.warning.empty());
   // Masses alone cannot make up for springs that are three times as stiff, with or without standard deviations.
@@ -268,8 +269,6 @@ TEST_CASE(
   const Scene scene = load_scene(SPRINGNET_EXAMPLES "/cube/cube.toml", *plugins());
   SimulationOptions options = scene.options;
   options.threads = 1;
-  // What steps leave unbalanced moves the nodes on the ground, too, and shows as an influence of this size.
-  options.integrator.parameters["force_tolerance"] = 1e-14;
   Simulation drop(scene.network, plugins(), options);
   const Observations seen = observe(drop, 45, from_to(0, 64));
   for (NodeIndex k = 0; k < 64; ++k) REQUIRE(drop.touching(k) == (k < 16));
@@ -288,14 +287,16 @@ TEST_CASE(
                                                        scene.network.springs()[each.member].second < 16;
     CHECK(each.has_influence == !is_held);
     if (is_held) CHECK(each.value == each.start);
-    if (is_held) CHECK(each.from_guess == 1.0);
+    if (is_held) CHECK(each.from_guess > 1.0 - 1e-6);
   }
   CHECK(has_note(learned,
                  "64 values have no influence at all on what was observed, and stay as they were: "
                  "spring.stiffness of springs "));
   CHECK(has_note(learned, "mass of nodes 0-15."));
-  // And one direction: all masses, stiffnesses and dampings together.
-  CHECK(learned.undetermined == 64 + 1);
+  // And one direction: all masses, stiffnesses and dampings together. Some others have less effect than what steps that
+  // settle to the scene's tolerance leave unbalanced.
+  CHECK(learned.undetermined >= 64 + 1);
+  CHECK(learned.undetermined <= 64 + 5);
   const auto without = [&](Kind kind) {
     return std::count_if(learned.parameters.begin(), learned.parameters.end(),
                          [&](const auto& each) { return each.kind == kind && !each.has_influence; });
