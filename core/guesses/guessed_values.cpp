@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -47,11 +48,24 @@ GuessedValues::GuessedValues(const std::filesystem::path& file, const std::share
   for (const SceneGuess& guess : all) {
     if (guess.value == 0.0) continue;
     std::vector<SceneOverride> own = overrides;
-    own.push_back({guess.key, fmt::format("{}", guess.value * (1.0 + step))});
-    const VectorXd moved = values_with(own);
+    own.push_back({guess.key, ""});
+    // A guess at the bound of what its key may have moves the other way.
+    const auto moved_by = [&](double change) -> std::optional<VectorXd> {
+      own.back().value = fmt::format("{}", guess.value * (1.0 + change));
+      try {
+        return values_with(own);
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input) throw;
+        return std::nullopt;
+      }
+    };
+    double change = step;
+    std::optional<VectorXd> moved = moved_by(change);
+    if (!moved) moved = moved_by(change = -step);
+    if (!moved) continue;
     VectorXd column = VectorXd::Zero(start.size());
     for (Index k = 0; k < start.size(); ++k)
-      if (moved[k] * start[k] > 0.0) column[k] = std::log(moved[k] / start[k]) / std::log1p(step);
+      if ((*moved)[k] * start[k] > 0.0) column[k] = std::log((*moved)[k] / start[k]) / std::log1p(change);
     if (!(column.cwiseAbs().maxCoeff() > no_influence)) continue;
     columns.push_back((column.array().abs() > no_influence).select(column, 0.0));
     guesses_.push_back(guess);
@@ -80,6 +94,7 @@ void GuessedValues::set_widths(std::vector<Learnable>& learnables) const {
 }
 
 std::vector<GuessedValues::Found> GuessedValues::examples(const LearnedNet& learned) const {
+  if (guesses_.empty()) return {};
   constexpr double quantile = 1.96;       // of the intervals
   std::map<std::size_t, double> members;  // of each variable
   bool any_interval = false;
@@ -131,8 +146,8 @@ std::vector<GuessedValues::Found> GuessedValues::examples(const LearnedNet& lear
   for (std::size_t g = 0; g < guesses_.size(); ++g) {
     const auto place = static_cast<Index>(g);
     constexpr double determined = 1e-6;
-    if (known(place, place) < 1.0 - determined) continue;
     const SceneGuess& guess = guesses_[g];
+    if (known(place, place) < 1.0 - determined || guess.number.is_otherwise) continue;
     const double deviation = std::sqrt(variance * inverse(place, place));
     fuzzy::Example example{guess.output, guess.inputs, guess.term, 0.0, 0.0};
     if (guess.is_logarithmic) {

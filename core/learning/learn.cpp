@@ -76,8 +76,10 @@ LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
   constexpr double nothing_known = 100.0;  // so far off as good as nothing holds a value
   for (Learnable& each : learnables) {
     if (options.guess_weight == 0.0) continue;
-    if (each.guess_widths.empty()) each.guess_widths.assign(learning::value_count(each), nothing_known);
-    std::replace(each.guess_widths.begin(), each.guess_widths.end(), 0.0, nothing_known);
+    // Of all values together: what is known of each adds up.
+    const double width = nothing_known * std::sqrt(static_cast<double>(learning::value_count(each)));
+    if (each.guess_widths.empty()) each.guess_widths.assign(learning::value_count(each), width);
+    std::replace(each.guess_widths.begin(), each.guess_widths.end(), 0.0, width);
   }
   LearnedNet result = learn(experiments, plugins, learnables, options);
   const char* const note = can_compare

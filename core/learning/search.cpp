@@ -56,7 +56,8 @@ Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) 
   MinimiseOptions own;
   own.max_iterations = is_last ? options.max_iterations : std::min(most_of_a_stage, options.max_iterations);
   own.cost_tolerance = is_last ? options.tolerance : share < 1.0 ? tolerance_of_a_stage : tolerance_of_a_weight;
-  own.step_tolerance = own.gradient_tolerance = options.tolerance;
+  // Of one that is known well, a small step hides larger ones of others: a coarse tolerance is of the cost alone.
+  own.step_tolerance = own.gradient_tolerance = std::min(options.tolerance, LearnOptions{}.tolerance);
   own.unit = variables.scale();
   own.aside = [&fit](const VectorXd& x) { return fit.guess_cost(x); };
   own.state = journal.present_leg();

@@ -88,9 +88,11 @@ class ValueReader {
                       "name, or remove it",
                       other, printable(file_.text()), owners_.noun, owners_.noun, list_of(known)));
     if (names_.size() == 1)
-      file_.fail(fmt::format("the file has no values; add a column with one of these names: {}", list_of(known)));
+      file_.fail(fmt::format("'{}' has no values; add a column with one of these names: {}", printable(file_.text()),
+                             list_of(known)));
     rows_ = files.csv_columns(file_, names_);
-    if (rows_.lines.empty()) file_.fail(fmt::format("the file has no rows; give one for each {}", owners_.noun));
+    if (rows_.lines.empty())
+      file_.fail(fmt::format("'{}' has no rows; give one for each {}", printable(file_.text()), owners_.noun));
     std::vector<bool> is_set(owners_.count, false);
     for (std::size_t row = 0; row < rows_.lines.size(); ++row) {
       const std::size_t number = number_of(row);
@@ -107,8 +109,10 @@ class ValueReader {
 
   std::size_t number_of(std::size_t row) const {
     const double number = rows_.values[0][row];
-    if (!(number >= 0.0 && number < static_cast<double>(owners_.count)) || number != std::floor(number))
-      fail(row, fmt::format("there is no {} {:g} in {}, which has {}, numbered from 0", owners_.noun, number,
+    if (number != std::floor(number))
+      fail(row, fmt::format("the number of a {} must be whole, is {}", owners_.noun, number));
+    if (!(number >= 0.0 && number < static_cast<double>(owners_.count)))
+      fail(row, fmt::format("there is no {} {} in {}, which has {}, numbered from 0", owners_.noun, number,
                             owners_.where, owners_.count));
     return static_cast<std::size_t>(number);
   }

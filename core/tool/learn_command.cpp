@@ -169,6 +169,13 @@ std::string text_of(const LearnProgress& now, int starts) {
                      100.0 * now.share, now.cost, now.rms, guess);
 }
 
+// Those of an earlier search, which learned.toml may no longer name.
+void remove_tables(const OutputFolder::Pointer& folder) {
+  for (const std::string& name : folder->names())
+    for (const char* const of : {"_springs", "_elements"})
+      if (name.starts_with(std::string(learned_stem) + of) && name.ends_with(".csv")) remove_output({folder, name});
+}
+
 int run(const LearnArguments& arguments) {
   check(arguments);
   outlive_readers();
@@ -176,9 +183,13 @@ int run(const LearnArguments& arguments) {
   Scene scene = arguments.scene.load(*host);
   std::vector<Learnable> learnables = select_learnables(scene.network, *host, arguments.parameters);
   const std::unique_ptr<const GuessedValues> guesses = guesses_of(arguments.scene, host, learnables);
-  if (guesses) guesses->set_widths(learnables);
+  // The paper's method knows no guess, and both begin alike.
+  if (guesses && arguments.method != online_method && !arguments.compare) guesses->set_widths(learnables);
   if (arguments.correct_rules && !guesses)
-    throw Error(ErrorKind::input, "--correct-rules: no value that is learned comes from words of the scene");
+    throw Error(
+        ErrorKind::input,
+        "--correct-rules: no value that is learned comes from words of the scene; one from a pipe is read once, "
+        "without its words");
   std::vector<Experiment> experiments{experiment_of(scene, arguments.observations)};
   experiments.front().name = arguments.scene.file.string();
   std::vector<Scene> scenes{scene};
@@ -191,8 +202,9 @@ int run(const LearnArguments& arguments) {
   if (!arguments.held_out.empty()) experiment.held_out = observations_of(scene, arguments.held_out);
   for (Experiment& each : experiments) each.observations.outlier_distance = arguments.outlier_distance;
   check(arguments, experiments);
-  const OutputFolder::Pointer folder =
-      arguments.output.open_for(arguments.scene.file, {learned_file, learning_file, page_file, state_file, rules_file});
+  const OutputFolder::Pointer folder = arguments.output.open_for(
+      arguments.scene.file,
+      {learned_file, learning_file, page_file, state_file, rules_file, "learned_springs.csv", "learned_elements.csv"});
 
   catch_interrupts();
   Progress progress(arguments.output.silent());
@@ -243,12 +255,15 @@ int run(const LearnArguments& arguments) {
   if (arguments.correct_rules) {
     const CorrectedRules corrected = corrected_rules(*guesses, learned, arguments.scene);
     learned.notes.insert(learned.notes.end(), corrected.notes.begin(), corrected.notes.end());
+    remove_output({folder, rules_file});
     if (!corrected.fcl.empty()) write_whole({folder, rules_file}, corrected.fcl);
   }
+  if (!arguments.correct_rules) remove_output({folder, rules_file});
   scene.network = with_values(experiment.network, host, learnables, learned.values);
   const std::string json = to_json(learned);
   write_whole({folder, learning_file}, json);
   const SceneWithTables with_tables = to_scene_with_tables(scene, *host, learned_stem);
+  remove_tables(folder);
   for (const SceneTable& each : with_tables.tables) write_whole({folder, each.name}, each.text);
   write_whole({folder, learned_file}, with_tables.scene);  // before the page, whose motions may fail
   std::vector<LearnedMotion> motions;

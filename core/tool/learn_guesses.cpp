@@ -66,7 +66,13 @@ CorrectedRules corrected_rules(const GuessedValues& guesses, const LearnedNet& l
   std::vector<fuzzy::Example> examples;
   for (const GuessedValues::Found& each : found) examples.push_back(each.example);
   const SceneGuess& first = guesses.guesses().front();
-  fuzzy::Correction correction = fuzzy::correct(*first.rules, examples);
+  fuzzy::Correction correction;
+  try {
+    correction = fuzzy::correct(*first.rules, examples);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    return {"", {fmt::format("The rules are not corrected, learned.fcl is not written: {}", error.what())}};
+  }
   round_changes(*first.rules, correction.base);
   CorrectedRules result{
       "// Corrected by springnet learn: numbers of outputs' terms are learned, comments on them are those of "
