@@ -38,6 +38,15 @@ void check(const OnlineOptions& options, const Network& network, Eigen::Index va
                     static_cast<double>(options.memory) / (1 << 30)));
 }
 
+// What is known beforehand has no part in the paper's rule, whose steps are in units of the values themselves.
+std::vector<Learnable> without_guesses(std::vector<Learnable> learnables) {
+  for (Learnable& each : learnables) {
+    each.guess_widths.clear();
+    each.by_logarithm = false;
+  }
+  return learnables;
+}
+
 }  // namespace
 
 struct OnlineLearner::Impl {
@@ -47,7 +56,7 @@ struct OnlineLearner::Impl {
         nodes(net->nodes().size()),
         motion(net, plugins, simulation, simulation.time_step, learning::values_of(learnables)),
         observed_net(net, plugins, simulation, learning::values_of(learnables)),
-        variables(*net, *plugins, learnables, motion.values_of_network()),
+        variables(*net, *plugins, without_guesses(learnables), motion.values_of_network()),
         x(variables.start()),
         values(variables.values(x)) {
     check(options, *net, variables.count());

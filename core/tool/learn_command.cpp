@@ -335,10 +335,8 @@ void add_learn(CLI::App& app, Action& action) {
       ->type_name("N")
       ->check(number_between(0, 1e6));
   command
-      ->add_option(
-          "--tolerance", arguments->tolerance,
-          "A search ends when the cost falls by less than this share of itself in an iteration, or the step or "
-          "the gradient are as small [1e-10]")
+      ->add_option("--tolerance", arguments->tolerance,
+                   "A search ends when the cost falls by less than this share of itself in an iteration [1e-10]")
       ->type_name("T")
       ->check(number_between(above_zero, 1.0));
   command

@@ -216,3 +216,38 @@ TEST_CASE("dampings alone do not tell the modulus from the damping time, with st
     CHECK(each.example.value == doctest::Approx(std::log10(factor * guess.value)).epsilon(1e-9));
   }
 }
+
+TEST_CASE("values without a guess are as good as free beside those that have one, also many together") {
+  const Guessed guessed(blocks(wet, "{ youngs_modulus = 2e4, damping_time = 0.01 }"));
+  SimulationOptions options = guessed.scene.options;
+  options.threads = 1;
+  Network real = guessed.scene.network;
+  set_stiffness(real, real.bodies()[1], 1.5);
+  Simulation motion(real, plugins(), options);
+  Observations seen = observe(motion, 15, from_to(0, real.nodes().size()));
+  for (Observations::VectorRow& each : seen.positions) each.weight.setConstant(1e6);
+  std::vector<Learnable> learnables{guessed.select("spring.stiffness@first:together"),
+                                    guessed.select("spring.stiffness@second:together")};
+  guessed.of(learnables).set_widths(learnables);
+  LearnOptions by_widths;
+  by_widths.guess_rule = GuessRule::widths;
+  const LearnedNet learned =
+      learn({experiment(guessed.scene.network, options, seen)}, plugins(), learnables, by_widths);
+  REQUIRE(learned.guess_weight == 1.0);
+  const LearnedParameter& free = learned.parameters.back();
+  CHECK(free.value / free.start == doctest::Approx(1.5).epsilon(1e-6));
+  CHECK(free.from_guess < 1e-6);
+}
+
+TEST_CASE("without words there is nothing to learn of guesses") {
+  const std::string numbers = "{ youngs_modulus = 2e4, damping_time = 0.01 }";
+  const Guessed guessed(blocks(numbers, numbers));
+  std::vector<Learnable> learnables{guessed.select("spring.stiffness:together")};
+  const GuessedValues none = guessed.of(learnables);
+  CHECK(none.guesses().empty());
+  LearnedNet learned;
+  learned.parameters.resize(learnables[0].values.members.size());
+  CHECK(none.examples(learned).empty());
+  none.set_widths(learnables);
+  CHECK(learnables[0].guess_widths.empty());
+}
