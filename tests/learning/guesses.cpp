@@ -218,7 +218,7 @@ TEST_CASE("dampings alone do not tell the modulus from the damping time, with st
 }
 
 TEST_CASE("values without a guess are as good as free beside those that have one, also many together") {
-  const Guessed guessed(blocks(wet, "{ youngs_modulus = 2e4, damping_time = 0.01 }"));
+  const Guessed guessed(blocks(wet, "{ youngs_modulus = 2e4, damping_time = 0.01 }\ndensity = 1000.0"));
   SimulationOptions options = guessed.scene.options;
   options.threads = 1;
   Network real = guessed.scene.network;
@@ -240,7 +240,7 @@ TEST_CASE("values without a guess are as good as free beside those that have one
 }
 
 TEST_CASE("without words there is nothing to learn of guesses") {
-  const std::string numbers = "{ youngs_modulus = 2e4, damping_time = 0.01 }";
+  const std::string numbers = "{ youngs_modulus = 2e4, damping_time = 0.01 }\ndensity = 1000.0";
   const Guessed guessed(blocks(numbers, numbers));
   std::vector<Learnable> learnables{guessed.select("spring.stiffness:together")};
   const GuessedValues none = guessed.of(learnables);

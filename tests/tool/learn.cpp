@@ -430,6 +430,32 @@ TEST_CASE("learn corrects the rules whose words a scene has") {
   CHECK(std::abs(std::log(after / 2500.0)) < 0.3 * std::abs(std::log(before / 2500.0)));
   CHECK(has(testing::read_text(folder.path() / "learned.fcl"), "// Sources:"));
 
+  // What a search does not write is not left from one before it.
+  REQUIRE(testing::springnet(folder, learn + " -o out --quiet").status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "out/learned.fcl"));
+  // Rules whose values jump are not corrected; what was learned is there all the same. A guess may be at its bound.
+  std::string jumps = testing::read_text(folder.path() / "learned.fcl");
+  for (std::size_t at = 0; (at = jumps.find("METHOD : COG;", at)) != std::string::npos;)
+    jumps.replace(at, 13, "METHOD : MM;");
+  const std::string output = "VAR_OUTPUT\n";
+  jumps.replace(jumps.find(output), output.size(), output + "  restitution : REAL;\n");
+  jumps.insert(
+      jumps.find("DEFUZZIFY density"),
+      "DEFUZZIFY restitution\n  RANGE := (0 .. 1);\n  TERM bouncing := 1;\n  METHOD : COGS;\nEND_DEFUZZIFY\n\n");
+  folder.write("jumps.fcl", jumps);
+  folder.write("jumps.toml", "rules = \"jumps.fcl\"\n" + words +
+                                 "[[plane]]\nname = \"floor\"\npoint = [0, 0, -9]\nnormal = [0, 0, 1]\n"
+                                 "restitution = \"bouncing\"\n");
+  const Answer jump = testing::springnet(folder,
+                                         "learn jumps.toml --observations seen/trajectory.csv --parameters "
+                                         "spring.stiffness:together --correct-rules -o jump");
+  CAPTURE(jump.err);
+  CAPTURE(jump.out);
+  REQUIRE(jump.status == 0);
+  CHECK(has(jump.out, "learned.fcl is not written"));
+  CHECK(has(jump.out, "METHOD MM"));
+  CHECK(std::filesystem::exists(folder.path() / "jump/learned.toml"));
+
   const Answer without = testing::springnet(folder,
                                             "learn real.toml --observations seen/trajectory.csv --parameters "
                                             "spring.stiffness:together --correct-rules -o none");
