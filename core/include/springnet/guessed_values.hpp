@@ -29,8 +29,8 @@ class SPRINGNET_API GuessedValues {
   // d ln(value) / d ln(guess), [value][guess]; values in the order of MotionDerivatives. 0 of values that are 0.
   [[nodiscard]] const Eigen::MatrixXd& influence() const noexcept { return influence_; }
 
-  // Sets Learnable::guess_widths, and by_logarithm where the guess is one of it. A guess is one piece of knowledge, of all n values of a learnable that follow it: as
-  // much as n values that are known sqrt(n) times less well.
+  // Sets Learnable::guess_widths, and by_logarithm where the guess is one of it. A guess is one piece of knowledge, of
+  // all n values of a learnable that follow it: as much as n values that are known sqrt(n) times less well.
   void set_widths(std::vector<Learnable>& learnables) const;
 
   // What the learned values say that the guesses should have been, of those that they tell apart; `guess` is a place in
