@@ -40,6 +40,8 @@ class Fit {
 
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
+  // Without those that hold variables at the guess.
+  [[nodiscard]] Eigen::VectorXd observed_residuals(const Eigen::VectorXd& x) { return residuals(x).head(rows_); }
   [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
   void forget_failure() noexcept { failure_.clear(); }
   // 1/2 their squares, without those of the guess, with values of one's own; not a number where a motion fails.

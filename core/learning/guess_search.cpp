@@ -30,9 +30,7 @@ bool have_plain_weights(const std::vector<Experiment>& experiments) {
 void search_by_rule(Search& search, Fit& fit, double greatest, LearnedNet& result, Minimum& minimum) {
   const VectorXd start = minimum.x;
   const Variables& variables = fit.variables();
-  const auto rms_at = [&](const VectorXd& x) {
-    return rms_of(fit.residuals(x).head(fit.observation_rows()), fit.observed());
-  };
+  const auto rms_at = [&](const VectorXd& x) { return rms_of(fit.observed_residuals(x), fit.observed()); };
   const auto trial = [&](double weight, const VectorXd* from) {
     fit.set_guess_weight(weight);
     const auto cost = [&](const VectorXd& x) { return fit.residuals(x).squaredNorm(); };

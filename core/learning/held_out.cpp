@@ -34,7 +34,7 @@ Judge::Judge(const std::vector<Experiment>& experiments, const std::shared_ptr<c
   }
   if (experiments_.empty()) return;
   Fit fit(experiments_, plugins_, learnables_, 0.0, threads_, memory_);  // what cannot be judged is refused at once
-  start_rms_ = rms_of(fit.residuals(fit.variables().start()), fit.observed());
+  start_rms_ = rms_of(fit.observed_residuals(fit.variables().start()), fit.observed());
 }
 
 void Judge::judge(const Eigen::VectorXd& x, LearnedNet& learned) {
@@ -42,7 +42,7 @@ void Judge::judge(const Eigen::VectorXd& x, LearnedNet& learned) {
   Fit fit(experiments_, plugins_, learnables_, 0.0, threads_, memory_);
   learned.held_out.observed = fit.observed();
   learned.held_out.start_rms = start_rms_;
-  learned.held_out.rms = rms_of(fit.residuals(x), fit.observed());
+  learned.held_out.rms = rms_of(fit.observed_residuals(x), fit.observed());
   if (!std::isfinite(learned.held_out.rms))
     learned.notes.push_back("The motion of what was held out fails with the learned values: " + fit.why_failed());
 }
@@ -53,7 +53,7 @@ void Judge::judge_half_step(const Eigen::VectorXd& x, LearnedNet& learned) {
     Fit half(with_half_the_step(experiments_), plugins_, learnables_, 0.0, threads_, memory_);
     const Variables& variables = half.variables();
     learned.held_out.half_step_rms =
-        rms_of(half.residuals(x.cwiseMax(variables.lower()).cwiseMin(variables.upper())), half.observed());
+        rms_of(half.observed_residuals(x.cwiseMax(variables.lower()).cwiseMin(variables.upper())), half.observed());
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::plugin) throw;  // else it stays unknown, as that of the values is
   }

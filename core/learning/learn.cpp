@@ -54,7 +54,7 @@ VectorXd shift_by_half_step(const std::vector<Experiment>& experiments,
   try {
     learning::Fit half(learning::with_half_the_step(experiments), plugins, learnables, 0.0, options.threads,
                        options.memory);
-    const VectorXd other = half.residuals(x);
+    const VectorXd other = half.observed_residuals(x);
     if (other.allFinite()) return certainty.change_for(other - residuals).cwiseProduct(scale);
     notes.push_back("How far half the time step would move the values is not known: " + half.why_failed());
   } catch (const Error& error) {
@@ -103,7 +103,7 @@ VectorXd without_idle_moves(learning::Fit& fit, const learning::Certainty& certa
       variables.start() + scale.cwiseProduct(certainty.with_influence((x - variables.start()).cwiseQuotient(scale)));
   if ((back.array() < variables.lower().array()).any() || (back.array() > variables.upper().array()).any()) return x;
   constexpr double as_good = 1e-9;
-  const double norm = fit.residuals(back).head(residuals.size()).norm();
+  const double norm = fit.observed_residuals(back).norm();
   return norm <= (1.0 + as_good) * residuals.norm() + fit.unseen() ? back : x;
 }
 
@@ -231,7 +231,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
   learning::describe_starts(result);
   result.cost = minimum.cost;
   fit.linearise(minimum.x);
-  const VectorXd residuals = fit.residuals(minimum.x).head(fit.observation_rows());
+  const VectorXd residuals = fit.observed_residuals(minimum.x);
   result.rms = learning::rms_of(residuals, fit.observed());
   learning::judge_fit(experiments, residuals,
                       "try several starts (--starts 8), other or more parameters, a smaller time step, or observations "

@@ -115,8 +115,9 @@ const VectorXd& OnlineLearner::variables() const noexcept { return impl_->x; }
 const VectorXd& OnlineLearner::values() const noexcept { return impl_->values; }
 
 LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<const PluginHost>& plugins,
-                        const std::vector<Learnable>& learnables, const OnlineOptions& options,
+                        const std::vector<Learnable>& with_guesses, const OnlineOptions& options,
                         const std::function<bool(const LearnProgress&)>& on_step) {
+  const std::vector<Learnable> learnables = without_guesses(with_guesses);
   if (!plugins) throw Error(ErrorKind::input, "learning: there is no plugin host");
   LearnOptions of_judge;
   of_judge.memory = options.memory;
@@ -157,8 +158,8 @@ LearnedNet learn_online(const Experiment& experiment, const std::shared_ptr<cons
   result.values = learner.values();
   result.observed = fit.observed();
   result.variables = static_cast<std::size_t>(variables.count());
-  result.start_cost = 0.5 * fit.residuals(variables.start()).squaredNorm();
-  const VectorXd residuals = fit.residuals(learner.variables());
+  result.start_cost = 0.5 * fit.observed_residuals(variables.start()).squaredNorm();
+  const VectorXd residuals = fit.observed_residuals(learner.variables());
   result.cost = 0.5 * residuals.squaredNorm();
   result.rms = learning::rms_of(residuals, fit.observed());
   if (result.cost > result.start_cost)
