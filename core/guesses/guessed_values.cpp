@@ -95,6 +95,9 @@ void GuessedValues::set_widths(std::vector<Learnable>& learnables) const {
 
 std::vector<GuessedValues::Found> GuessedValues::examples(const LearnedNet& learned) const {
   if (guesses_.empty()) return {};
+  if (static_cast<Index>(learned.parameters.size()) != influence_.rows())
+    throw Error(ErrorKind::input, fmt::format("guesses: {} values were learned, not the {} whose guesses these are",
+                                              learned.parameters.size(), influence_.rows()));
   constexpr double quantile = 1.96;       // of the intervals
   std::map<std::size_t, double> members;  // of each variable
   bool any_interval = false;

@@ -114,8 +114,8 @@ Complaint complaint(const LearnedNet& result, double left_of_start, std::size_t 
     if (is_white && left_of_start < as_at_start)
       return {{},
               fmt::format("The rms of the weighted differences is {:.3g}, where the standard deviations say 1, but the "
-                          "differences do not hang together in time: they look like noise that is so much larger than "
-                          "the tables say.",
+                          "differences are not correlated in time: they look like noise that is larger than the tables "
+                          "say, by this factor.",
                           result.rms)};
     return {fmt::format("The rms of the weighted differences is {:.3g}, where the standard deviations say 1{}",
                         result.rms, in_time),
@@ -129,12 +129,19 @@ Complaint complaint(const LearnedNet& result, double left_of_start, std::size_t 
                 correlation)
           : "";
   if (has_deviations && result.rms > far_below) return {{}, too_narrow};
+  const std::string as_left =
+      has_deviations && too_narrow.empty()
+          ? fmt::format(
+                "The rms of the weighted differences is {:.3g}, where the standard deviations say 1: intervals "
+                "are those of the differences that are left.",
+                result.rms)
+          : too_narrow;
   const bool is_large = share > large_share && (!is_white || left_of_start > as_at_start);
   const bool is_of_model =
       is_correlated && (share > visible_share || (left_of_start > hardly_fell && share > negligible_share));
   // Of a pose or two there is no correlation in time.
   const bool did_not_fall = pairs < least_pairs && share > visible_share && left_of_start > as_at_start;
-  if (!is_large && !is_of_model && !did_not_fall) return {{}, too_narrow};
+  if (!is_large && !is_of_model && !did_not_fall) return {{}, as_left};
   return {fmt::format("The differences that are left are {} of the motion that was observed{}{}", percent(share),
                       did_not_fall ? ", hardly less than at the start" : "", in_time),
           {}};
@@ -151,6 +158,15 @@ void judge_fit(const std::vector<Experiment>& experiments, const VectorXd& resid
   const double share = courses.share();
   result.fit.share_of_motion = std::isfinite(share) ? share : left_of_start;
   if (courses.pairs() >= least_pairs) result.fit.correlation_in_time = courses.correlation();
+  const bool is_start_alone = std::all_of(experiments.begin(), experiments.end(), [](const Experiment& each) {
+    return !(each.observations.times().back() > 0.0);
+  });
+  if (is_start_alone) {
+    result.notes.emplace_back(
+        "Only the start was observed (time 0), which hardly any value changes: observe the motion "
+        "that follows.");
+    return;
+  }
   auto [what, note] = complaint(result, left_of_start, courses.pairs(), !have_plain_weights(experiments));
   if (!note.empty()) result.notes.push_back(std::move(note));
   if (what.empty()) return;

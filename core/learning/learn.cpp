@@ -18,6 +18,7 @@
 #include "learning/minimise.hpp"
 #include "learning/notes.hpp"
 #include "learning/result.hpp"
+#include "learning/same_object.hpp"
 #include "learning/search.hpp"
 #include "learning/search_journal.hpp"
 #include "learning/several_starts.hpp"
@@ -73,7 +74,7 @@ LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
   const bool can_compare = !learning::have_plain_weights(learning::learned_from(experiments));
   options.guess_rule = GuessRule::given;
   options.guess_weight = have_widths && can_compare ? 1.0 : 0.0;
-  constexpr double nothing_known = 100.0;  // so far off as good as nothing holds a value
+  constexpr double nothing_known = 100.0;  // a guess that is this far off holds nothing
   for (Learnable& each : learnables) {
     if (options.guess_weight == 0.0) continue;
     // Of all values together: what is known of each adds up.
@@ -237,8 +238,10 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
                       "try several starts (--starts 8), other or more parameters, a smaller time step, or observations "
                       "of a shorter time",
                       result);
+  for (std::string& note : learning::notes_of_differences(experiments, learnables))
+    result.notes.push_back(std::move(note));
   fit.note_events(result.notes);
-  if (!fit.why_failed().empty())
+  if (!fit.why_failed().empty() && options.starts == 1)
     result.notes.push_back("Motions that were tried at the end fail, and the search stepped back from there: " +
                            fit.why_failed());
   judge.judge(minimum.x, result);

@@ -53,6 +53,35 @@ void check_same_object(const std::vector<Experiment>& experiments) {
   }
 }
 
+std::vector<std::string> notes_of_differences(const std::vector<Experiment>& experiments,
+                                              const std::vector<Learnable>& learnables) {
+  using Kind = LearnedValues::Kind;
+  const auto is_learned = [&](Kind kind) {
+    return std::any_of(learnables.begin(), learnables.end(),
+                       [&](const Learnable& each) { return each.values.kind == kind; });
+  };
+  const Network& first = *experiments.front().network;
+  const auto nodes = static_cast<NodeIndex>(first.nodes().size());
+  const auto springs = static_cast<SpringIndex>(first.springs().size());
+  std::vector<std::string> notes;
+  for (std::size_t k = 1; k < experiments.size(); ++k) {
+    const Network& other = *experiments[k].network;
+    std::string what;
+    const auto add = [&](const char* values) { what += (what.empty() ? "" : " and ") + std::string(values); };
+    bool differ = false;
+    for (NodeIndex n = 0; n < nodes && !differ; ++n) differ = first.nodes()[n].mass != other.nodes()[n].mass;
+    if (differ && !is_learned(Kind::mass)) add("masses");
+    differ = false;
+    for (SpringIndex s = 0; s < springs && !differ; ++s)
+      differ = first.springs()[s].rest_length != other.springs()[s].rest_length;
+    if (differ && !is_learned(Kind::rest_length)) add("rest lengths");
+    if (!what.empty())
+      notes.push_back(fmt::format("Experiment {} has other {} than the first: what is not learned is as each has it.",
+                                  k + 1, what));
+  }
+  return notes;
+}
+
 void check_same_gravity(const std::vector<Experiment>& experiments, const std::vector<Learnable>& learnables) {
   const auto is_gravity = [](const Learnable& each) { return each.values.kind == LearnedValues::Kind::gravity; };
   if (std::none_of(learnables.begin(), learnables.end(), is_gravity)) return;

@@ -328,6 +328,7 @@ int run(const InspectArguments& arguments) {
   print_limits(scene, found);
   print_findings(scene.network, found);
   for (const std::string& note : notes_without(guesses, scene)) fmt::print("note: {}\n", printable_message(note));
+  if (!arguments.plot.empty()) fmt::print("\nwritten: {}\n", printable_message(arguments.plot.string()));
   return done;
 }
 

@@ -67,18 +67,19 @@ CorrectedRules corrected_rules(const GuessedValues& guesses, const LearnedNet& l
   for (const GuessedValues::Found& each : found) examples.push_back(each.example);
   const SceneGuess& first = guesses.guesses().front();
   fuzzy::Correction correction;
+  CorrectedRules result;
   try {
     correction = fuzzy::correct(*first.rules, examples);
+    round_changes(*first.rules, correction.base);
+    // The file may be another one by now.
+    result.fcl =
+        "// Corrected by springnet learn: numbers of outputs' terms are learned, comments on them are those of the "
+        "original.\n" +
+        fuzzy::with_numbers_of(fcl_of(first, scene), correction.base);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
     return {"", {fmt::format("The rules are not corrected, learned.fcl is not written: {}", error.what())}};
   }
-  round_changes(*first.rules, correction.base);
-  CorrectedRules result{
-      "// Corrected by springnet learn: numbers of outputs' terms are learned, comments on them are those of "
-      "the original.\n" +
-          fuzzy::with_numbers_of(fcl_of(first, scene), correction.base),
-      {}};
   for (std::size_t k = 0; k < found.size(); ++k) {
     const SceneGuess& guess = guesses.guesses()[found[k].guess];
     const auto corrected = correction.after[k];

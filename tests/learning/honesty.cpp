@@ -134,7 +134,7 @@ TEST_CASE("differences that are no noise are told, and noise is not") {
   for (auto& each : plain.positions) each.weight = Vector3::Ones();
   const LearnedNet bolder = learn_masses(guess, bold);
   CHECK(bolder.fit.warning.empty());
-  CHECK(has_note(bolder, "where the standard deviations say 1, but the differences do not hang together in time"));
+  CHECK(has_note(bolder, "where the standard deviations say 1, but the differences are not correlated in time"));
   CHECK(bolder.fit.share_of_motion == doctest::Approx(good.fit.share_of_motion).epsilon(1e-3));
   CHECK(learn_masses(guess, plain).fit.warning.empty());
   // Masses alone cannot make up for springs that are three times as stiff, with or without standard deviations.
@@ -149,6 +149,34 @@ TEST_CASE("differences that are no noise are told, and noise is not") {
     CHECK(has(to_json(bad), "\"warning\": \""));
   }
   CHECK(has(to_json(good), "\"warning\": null"));
+}
+
+TEST_CASE("observations of the start alone are told as such, and no minimum is blamed") {
+  Observations start;
+  start.positions = {row(0.0, 2, hanging({1, 1, 1, 1, 1, 1}).nodes()[2].position + Vector3(0, 0, 0.1))};
+  const LearnedNet learned = learn_masses(std::vector<double>(6, 1.0), start);
+  CHECK(learned.fit.warning.empty());
+  CHECK(has_note(learned, "Only the start was observed"));
+}
+
+TEST_CASE("experiments whose masses or rest lengths are not those of the first are told") {
+  const std::vector<double> guess(6, 1.0);
+  Network heavier = hanging(guess);
+  Node node = heavier.nodes()[3];
+  node.mass = 2.0;
+  heavier.set_node(3, node);
+  heavier.set_rest_length(1, 1.1);
+  const Learnable stiffness{{Kind::spring_parameter, false, "stiffness", {0}}};
+  LearnOptions options;
+  options.max_iterations = 1;
+  options.stages = 1;
+  const Experiment first = experiment(hanging(guess), half_steps, seen_with(0.002)),
+                   same = experiment(hanging(guess), half_steps, seen_with(0.002)),
+                   other = experiment(heavier, half_steps, seen_with(0.002));
+  CHECK(has_note(learn({first, other}, plugins(), {stiffness}, options),
+                 "Experiment 2 has other masses and rest lengths than the first"));
+  CHECK_FALSE(has_note(learn({first, same}, plugins(), {stiffness}, options), "than the first"));
+  CHECK(has_note(learn({first, other}, plugins(), {all_masses}, options), "Experiment 2 has other rest lengths"));
 }
 
 TEST_CASE("the history tells differences from the observations without the part of the guess, and its weights") {
