@@ -17,7 +17,10 @@ namespace {
 constexpr double symmetric_share = 1.0;
 // More may not be left out of an approximate system.
 constexpr double max_asymmetry = 0.05;
-// Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one.
+// Nor this much of an exact one: as much as an inaccurate solution leaves.
+constexpr double max_asymmetry_of_exact = 1e-3;
+// Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one. Factors of
+// solids fill up: there they take as long as many iterations.
 constexpr std::uint32_t patience = 100, max_iterations = 400;
 constexpr std::size_t max_nodes_factorised = 3000;
 // From here on matrices are larger than the caches. Smaller nets are solved without one only if they are solids, for
@@ -47,7 +50,7 @@ LinearModel::~LinearModel() = default;
 
 void LinearModel::forget() noexcept {
   sweep_.reset();
-  at_hand_ = indefinite_ = matrix_free_stalled_ = false;
+  at_hand_ = indefinite_ = matrix_free_stalled_ = is_asymmetric_ = false;
   topology_changed();
 }
 
@@ -55,6 +58,9 @@ springnet_status LinearModel::linearise(const springnet_evaluation& at, double e
   sweep_.reset();
   response_.forget();
   at_hand_ = false;
+  const std::size_t n = model_.mass.size();
+  linearised_at_.resize(3 * n);
+  for (std::size_t c = 0; c < 3; ++c) std::copy_n((&at.position.x)[c], n, linearised_at_.data() + c * n);
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   factors_.current = false;
   model_.constraints.linearise(*model_.placement(at.time), at.position);
@@ -204,7 +210,10 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   const layers::FlushDenormals flush;
   const layers::SystemWeights weights{request.velocity_weight, request.position_weight, request.shift};
   if (request.at != nullptr) {
-    if (request.exact == 0 && prepare_matrix_free(*request.at, weights)) return SPRINGNET_OK;
+    const bool is_exact = request.exact != 0;
+    if (!(is_exact && is_asymmetric_) &&
+        prepare_matrix_free(*request.at, weights, is_exact ? max_asymmetry_of_exact : max_asymmetry))
+      return SPRINGNET_OK;
     begin_system(weights);
     if (const springnet_status status = linearise(*request.at, 0.0); status != SPRINGNET_OK) return status;
   }
@@ -221,14 +230,19 @@ void LinearModel::begin_system(const layers::SystemWeights& weights) {
 }
 
 bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
+  return prepare_matrix_free(at, weights, max_asymmetry);
+}
+
+bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights,
+                                      double most_asymmetry) {
   const layers::FlushDenormals flush;
   begin_system(weights);
   const layers::InternalView internal = quiet(model_.internal_for(at.internal));
-  if (!may_be_matrix_free(at) ||
-      !matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
-                            weights_) ||
-      !(matrix_free_.asymmetry() <= max_asymmetry))
+  if (!may_be_matrix_free(at) || !matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal),
+                                                       model_.external_at(at.time), weights_))
     return false;
+  is_asymmetric_ = !(matrix_free_.asymmetry() <= max_asymmetry_of_exact);
+  if (!(matrix_free_.asymmetry() <= most_asymmetry)) return false;
   prepared_ = Prepared::matrix_free;
   at_hand_ = false;
   keep_state(at);
@@ -280,9 +294,12 @@ void LinearModel::assemble() {
   using Kind = layers::BlockPreconditioner::Kind;
   system_.assemble(blocks_, weights_);
   const bool rows = !model_.constraints.rows().empty();
-  solver_.prepare(system_, is_thin() ? Kind::factors : Kind::blocks, [&](const std::vector<double>& mobility) {
-    return rows ? model_.constraints.projection(mobility) : layers::Projection();
-  });
+  const double* const at = linearised_at_.data();
+  const std::size_t n = model_.mass.size();
+  solver_.prepare(system_, is_thin() ? Kind::factors : Kind::blocks, {at, at + n, at + 2 * n},
+                  [&](const std::vector<double>& mobility) {
+                    return rows ? model_.constraints.projection(mobility) : layers::Projection();
+                  });
   right_side_.assign(3 * model_.mass.size() + 1, 0.0);
   solution_.assign(3 * model_.mass.size() + 1, 0.0);
   prepared_ = Prepared::assembled;
@@ -321,8 +338,8 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   // Conjugate gradients where the matrix is as good as symmetric, for the accuracy asked for.
   const bool symmetric = !indefinite_ && system_.asymmetry() <= symmetric_share * request.accuracy;
   const auto solve = [&](bool by_conjugate_gradients) {
-    return solver_.solve(system_, by_conjugate_gradients, request.accuracy, may_factorise ? patience : max_iterations,
-                         right_side_, solution_);
+    return solver_.solve(system_, by_conjugate_gradients, request.accuracy,
+                         may_factorise && is_thin() ? patience : max_iterations, right_side_, solution_);
   };
   layers::SolveAnswer answer = solve(symmetric);
   if (answer.outcome == layers::SolveOutcome::truncated) {

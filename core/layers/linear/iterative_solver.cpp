@@ -34,7 +34,7 @@ NodeRange IterativeSolver::pieces_of(const Team& team) const noexcept {
 }
 
 void IterativeSolver::prepare(const BlockSystem& system, BlockPreconditioner::Kind kind,
-                              const MakeProjection& make_projection) {
+                              const std::array<const double*, 3>& position, const MakeProjection& make_projection) {
   nodes_ = system.node_count();
   preconditioner_.set(system, kind, threads_);
   projection_ = make_projection(preconditioner_.inverse_blocks());
@@ -44,7 +44,27 @@ void IterativeSolver::prepare(const BlockSystem& system, BlockPreconditioner::Ki
   work_.resize(vectors);
   for (auto& values : work_) values.resize(3 * nodes_ + 1);
   sum_.resize(chunk_count());
+  prepare_coarse(system, position);
   prepare_enclosures(system);
+}
+
+void IterativeSolver::prepare_coarse(const BlockSystem& system, const std::array<const double*, 3>& position) {
+  coarse_.clear();
+  if (preconditioner_.kind() != BlockPreconditioner::Kind::blocks) return;
+  const BlockArrays arrays = system.arrays();
+  const auto block = [&](std::size_t b) { return Eigen::Map<const Eigen::Matrix3d>(arrays.values + 9 * b); };
+  double stiffness = 0.0, inertia = 0.0;
+  for (std::size_t k = 0; k < nodes_; ++k) {
+    if (system.constrained()[k] != 0) continue;
+    stiffness += block(system.own_block(k)).trace();
+    inertia += 3.0 * system.mass()[k];
+  }
+  if (!CoarseSpace::pays(nodes_, stiffness / inertia)) return;
+  coarse_.begin(position, system.constrained());
+  for (std::size_t k = 0; k < nodes_; ++k)
+    for (std::uint32_t b = arrays.start[k]; b < arrays.start[k + 1]; ++b)
+      coarse_.add_block(k, arrays.column[b], block(b));
+  coarse_.factorise();
 }
 
 void IterativeSolver::prepare_enclosures(const BlockSystem& system) {
@@ -110,8 +130,8 @@ double IterativeSolver::square(Team& team, const double* r, double along) {
 
 Sums2 IterativeSolver::update(Team& team, double step, const double* p, const double* q, double* x, double* r,
                               double* z) {
-  const bool local =
-      preconditioner_.kind() == BlockPreconditioner::Kind::blocks && !projection_.change && terms_.empty();
+  const bool local = preconditioner_.kind() == BlockPreconditioner::Kind::blocks && !projection_.change &&
+                     terms_.empty() && !coarse_.any();
   if (!local) {
     add(team, step, p, x);
     add(team, -step, q, r);
@@ -167,11 +187,21 @@ void IterativeSolver::precondition(Team& team, const double* r, double* z) {
     preconditioner_.apply(kernels_, pieces_of(team), constrained ? impulses_.data() : r, z);
     team.barrier();
   }
-  if (!constrained && terms_.empty()) return;
+  if (!constrained && terms_.empty() && !coarse_.any()) return;
   team.alone([&] {
+    if (coarse_.any()) add_coarse(r, z);
     if (constrained) projection_.change(z);
     if (!terms_.empty()) correct(z);
   });
+}
+
+void IterativeSolver::add_coarse(const double* r, double* z) {
+  if (projection_.impulse) {
+    std::copy(r, r + 3 * nodes_, impulses_.begin());
+    projection_.impulse(impulses_.data());
+    r = impulses_.data();
+  }
+  static_cast<void>(coarse_.correct<3>(r, z));
 }
 
 SolveAnswer IterativeSolver::solve(const BlockSystem& system, bool symmetric, double accuracy,

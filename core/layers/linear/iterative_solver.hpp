@@ -7,6 +7,7 @@
 // filling is.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -14,6 +15,7 @@
 #include <Eigen/Dense>
 
 #include "layers/linear/block_preconditioner.hpp"
+#include "layers/linear/coarse_space.hpp"
 #include "layers/linear/conjugate_gradients.hpp"
 #include "layers/linear/deadline.hpp"
 #include "layers/linear/projection.hpp"
@@ -27,8 +29,9 @@ class IterativeSolver {
   // Makes a projection with these mobilities, the preconditioner's inverse_blocks(); an empty one without constraints.
   using MakeProjection = std::function<Projection(const std::vector<double>& mobility)>;
 
-  // Sets up the preconditioner.
-  void prepare(const BlockSystem& system, BlockPreconditioner::Kind kind, const MakeProjection& make_projection);
+  // Sets up the preconditioner. position: where the system was linearised, x, y, z, [node] m.
+  void prepare(const BlockSystem& system, BlockPreconditioner::Kind kind, const std::array<const double*, 3>& position,
+               const MakeProjection& make_projection);
   // Solves S x = b to `accuracy`: of the norm of M^-1/2 (b - S x), or with constraint rows of the preconditioned
   // residual. Without symmetry it stalls if the norm does not follow the preconditioned residual soon, which it then
   // answers. [node][3] and one more number; b is zero for nodes that do not move.
@@ -65,6 +68,8 @@ class IterativeSolver {
   [[nodiscard]] NodeRange pieces_of(const Team& team) const noexcept;
   SolveAnswer bicgstab(Team& team, double accuracy, std::uint32_t max_iterations, const double* b, double* x);
   void prepare_enclosures(const BlockSystem& system);
+  void prepare_coarse(const BlockSystem& system, const std::array<const double*, 3>& position);
+  void add_coarse(const double* r, double* z);
   void correct(double* z) const;  // for the enclosures
 
   const BlockKernels& kernels_;
@@ -72,6 +77,7 @@ class IterativeSolver {
   const BlockSystem* system_ = nullptr;  // to be solved
   std::size_t nodes_ = 0;
   BlockPreconditioner preconditioner_;
+  CoarseSpace coarse_;
   Projection projection_;
   std::vector<double> impulses_;  // projected
   std::vector<double> inverse_mass_;

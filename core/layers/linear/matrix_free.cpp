@@ -120,7 +120,48 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
         inverse_[12 * k + static_cast<std::size_t>(4 * c + r)] =
             static_cast<float>(inverse(std::min(r, c), std::max(r, c)));
   }
+  prepare_coarse(nodes);
   return true;
+}
+
+void MatrixFree::prepare_coarse(const NodeArrays& nodes) {
+  coarse_.clear();
+  const std::size_t n = layout_.node_count();
+  double stiffness = 0.0, inertia = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (constrained_[k] != 0) continue;
+    stiffness += blocks_[9 * k] + blocks_[9 * k + 4] + blocks_[9 * k + 8];
+    inertia += own_[12 * k] + own_[12 * k + 5] + own_[12 * k + 10];
+  }
+  if (!CoarseSpace::pays(n, stiffness / inertia)) return;
+  coarse_.begin({nodes.px, nodes.py, nodes.pz}, constrained_);
+  for (std::size_t k = 0; k < n; ++k) {
+    if (constrained_[k] != 0) continue;
+    const double* const own = &own_[12 * k];
+    coarse_.add_block(
+        k, k,
+        (Eigen::Matrix3d() << own[0], own[4], own[8], own[1], own[5], own[9], own[2], own[6], own[10]).finished());
+  }
+  for (std::size_t u = 0; u < layout_.units().size(); ++u) {
+    const Unit& unit = layout_.units()[u];
+    for (const bool within : {true, false}) {
+      const SpringRows rows = within ? rows_within(u) : rows_leaving(u);
+      for (std::size_t k = 0; k < unit.node_count; ++k) {
+        for (std::uint32_t s = rows.start[k]; s < rows.start[k + 1]; ++s) {
+          const std::size_t first = unit.first_node + k, second = rows.second[s];
+          if (!within && second < first) continue;  // it is among those of the other unit, too
+          const float* const b = rows.stiffness + 4 * std::size_t{s};
+          coarse_.add_spring(first, second, b[3], {b[0], b[1], b[2]});
+        }
+      }
+    }
+  }
+  coarse_.factorise();
+}
+
+double MatrixFree::correct(Team& team, const float* r, float* z) {
+  team.alone([&] { coarse_part_ = coarse_.correct<4>(r, z); });
+  return coarse_part_;
 }
 
 // Mass and neurons. False: the force does not act on a node as on a point mass.
@@ -382,6 +423,7 @@ double MatrixFree::product_and_dot(Team& team, const float* p, float* q) {
 
 void MatrixFree::precondition(Team& team, const float* r, float* z) {
   kernels_.diagonal(inverse_.data(), own_nodes(team), r, z);
+  if (coarse_.any()) correct(team, r, z);
 }
 
 double MatrixFree::dot(Team& team, const float* a, const float* b) {
@@ -394,9 +436,11 @@ double MatrixFree::square(Team& team, const float* r, double) {
 }
 
 Sums2 MatrixFree::update(Team& team, double step, const float* p, const float* q, float* x, float* r, float* z) {
-  return sum_.two(team, own_parts(team), [&](std::size_t i) {
+  Sums2 sums = sum_.two(team, own_parts(team), [&](std::size_t i) {
     return kernels_.advance(static_cast<float>(step), p, q, inverse_.data(), inverse_mass_.data(), parts_[i], x, r, z);
   });
+  if (coarse_.any()) sums.first += correct(team, r, z);
+  return sums;
 }
 
 void MatrixFree::scale_add(Team& team, double s, const float* x, float* y) {

@@ -1,7 +1,7 @@
 // The system of an implicit step of a large net of springs alone, without its matrix: products go over the springs,
-// four numbers each, ordered by their first nodes; the preconditioner inverts the nodes' own blocks. Nets with
-// elements, rigid connections or nodes that slide, neurons other than point masses with drag, and springs that soften
-// need the assembled block system.
+// four numbers each, ordered by their first nodes; the preconditioner inverts the nodes' own blocks, and those of
+// groups of nodes of stiff nets. Nets with elements, rigid connections or nodes that slide, neurons other than point
+// masses with drag, and springs that soften need the assembled block system.
 //
 // The matrix is the symmetric part of the exact one. With tension T at length l, direction n and weights w_p, w_v of
 // position and velocity, a spring has
@@ -18,6 +18,7 @@
 
 #include "layers/evaluator.hpp"
 #include "layers/linear/block_system.hpp"
+#include "layers/linear/coarse_space.hpp"
 #include "layers/linear/conjugate_gradients.hpp"
 #include "layers/linear/deadline.hpp"
 #include "layers/linear/spring_kernels.hpp"
@@ -69,6 +70,9 @@ class MatrixFree {
   [[nodiscard]] SpringRows rows_leaving(std::size_t unit) const;
   void add_block(std::size_t node, double a, const double (&q)[3]);
   void take_incoming(std::size_t unit);
+  void prepare_coarse(const NodeArrays& nodes);
+  // Adds the coarse correction to z = D r; answers r times it.
+  double correct(Team& team, const float* r, float* z);
   // In one thread of the team.
   SolveAnswer solve(Team& team, double accuracy, std::uint32_t max_iterations, const double* b);
   // residual_ = M b - S solution_, scaled; answers its norm.
@@ -89,17 +93,19 @@ class MatrixFree {
   SpringOrder springs_;
   bool is_laid_out_ = false;  // what depends on that order
   const SpringKernels& kernels_;
-  std::vector<Stiffness> stiffness_;           // [unit]
-  std::vector<NodeRange> parts_;               // of sums
-  std::vector<std::size_t> first_part_;        // [unit + 1]
-  double unit_ = 1.0;                          // kg: the system is that in this unit of mass
-  std::vector<double> own_;                    // [node][3][4] columns of their own blocks
-  std::vector<double> blocks_;                 // [node][3][3], with the springs'
-  std::vector<float> inverse_;                 // [node][3][4] columns
-  bool isotropic_ = false;                     // own_ are multiples of the identity:
-  std::vector<float> own_scale_;               // [node]
-  std::vector<float> own_single_;              // own_, if they are not
-  std::vector<float> inverse_mass_;            // [node]
+  std::vector<Stiffness> stiffness_;     // [unit]
+  std::vector<NodeRange> parts_;         // of sums
+  std::vector<std::size_t> first_part_;  // [unit + 1]
+  double unit_ = 1.0;                    // kg: the system is that in this unit of mass
+  std::vector<double> own_;              // [node][3][4] columns of their own blocks
+  std::vector<double> blocks_;           // [node][3][3], with the springs'
+  std::vector<float> inverse_;           // [node][3][4] columns
+  bool isotropic_ = false;               // own_ are multiples of the identity:
+  std::vector<float> own_scale_;         // [node]
+  std::vector<float> own_single_;        // own_, if they are not
+  std::vector<float> inverse_mass_;      // [node]
+  CoarseSpace coarse_;
+  double coarse_part_ = 0.0;
   std::array<std::vector<float>, 6> vectors_;  // b, x, r, z, p, q
   std::vector<double> solution_, residual_;    // [node][4]
   std::vector<double> force_;

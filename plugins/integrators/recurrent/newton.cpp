@@ -29,8 +29,9 @@ constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
 // A step from a guess that has not settled after this many sweeps starts again from its start: a guess may lead
 // contacts into a cycle.
 constexpr std::uint64_t patience_with_guess = 12;
-// Steps in which systems are exact after an approximate one has converged slowly.
-constexpr int max_exact_steps = 16;
+// Steps in which systems are exact after an approximate one has converged slowly; and in which they are not, after an
+// exact one has, too.
+constexpr int max_exact_steps = 16, max_approximate_steps = 64;
 // Accuracy of iterative solutions: that of the first sweep; then by the last reduction of the residual, as Eisenstat
 // and Walker advise (1996, choice 2 with exponent 2), but no finer than to settle with some margin.
 constexpr double first_accuracy = 0.01, loosest_accuracy = 0.1, tightest_accuracy = 1e-3, accuracy_factor = 0.9;
@@ -78,7 +79,8 @@ void Newton::forget() noexcept {
   linearised_ = fresh_ = at_rejected_ = first_ = guessed_ = is_solved_ = false;
   shift_ = 0.0;
   rate_ = kept_rate_ = last_accuracy_ = 1.0;
-  exact_steps_ = age_ = 0;
+  exact_steps_ = approximate_steps_ = age_ = 0;
+  is_exact_ = false;
   contact_changes_ = 0;
 }
 
@@ -114,7 +116,8 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
 }
 
 void Newton::linearise(const Step& step) {
-  system_.prepare(step.evaluation_at_end(*step.outputs), step.weight(), shift_, exact_steps_ > 0);
+  is_exact_ = exact_steps_ > 0;
+  system_.prepare(step.evaluation_at_end(*step.outputs), step.weight(), shift_, is_exact_);
   linearised_ = fresh_ = true;
   at_rejected_ = false;
   age_ = 0;
@@ -389,8 +392,11 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
   rate_ = at_outputs_.norm > 0.0 ? at_candidate_.norm / at_outputs_.norm : 0.0;
   // An inaccurate solution tells nothing of the derivatives.
   if (last_accuracy_ <= first_accuracy) kept_rate_ = fresh_ ? rate_ : std::max(kept_rate_, rate_);
-  // What the host left out of an approximate system may be to blame.
-  if (fresh_ && rate_ >= fast_convergence) exact_steps_ = max_exact_steps;
+  // What the host left out of an approximate system may be to blame, but not where an exact one does no better.
+  if (fresh_ && rate_ >= fast_convergence) {
+    exact_steps_ = is_exact_ || approximate_steps_ > 0 ? 0 : max_exact_steps;
+    if (is_exact_) approximate_steps_ = max_approximate_steps;
+  }
   std::swap(at_outputs_, at_candidate_);
   step.outputs = &candidate;
   fresh_ = false;

@@ -107,6 +107,8 @@ class Newton final : public Rule {
   bool first_ = false;                          // first sweep of a step
   bool guessed_ = false;                        // that step starts from a guess
   int exact_steps_ = 0;                         // in which the linear system is to be exact
+  int approximate_steps_ = 0;                   // in which it is not to be
+  bool is_exact_ = false;                       // the prepared system
   int age_ = 0;                                 // steps since the derivatives were computed
   bool is_solved_ = false;                      // the linear system was solved
   std::vector<double> right_side_, direction_;  // [3n] b, delta

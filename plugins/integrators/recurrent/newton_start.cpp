@@ -18,6 +18,7 @@ void Newton::begin(Step& step) {
                      !turning_rows && age_ < max_age && system_.has(step.weight(), 0.0);
   ++age_;
   if (exact_steps_ > 0) --exact_steps_;
+  if (approximate_steps_ > 0) --approximate_steps_;
   if (!keeps) linearised_ = false;
   rate_ = kept_rate_;
   std::copy_n(network.status, network.node_count, status_.begin());

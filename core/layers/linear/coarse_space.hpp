@@ -1,0 +1,87 @@
+// A second level for preconditioners of stiff nets: groups of some thirty neighbouring nodes that move as rigid bodies.
+// Blocks of single nodes see nothing of motions in which a whole net bends; there these are few numbers, of one small
+// dense system. With the groups' motions P, six numbers each, and D the blocks of the nodes,
+//   B = D^-1 + P (P^T S P)^-1 P^T
+// (R. A. Nicolaides, SIAM J. Numer. Anal. 24, 1987; additively, as J. Mandel, Comm. Numer. Meth. Eng. 9, 1993). S and
+// the small system need not agree in all: it preconditions.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace springnet::layers {
+
+class CoarseSpace {
+ public:
+  // Whether it can be worth its price: nets of so many nodes, and so much stiffer than their masses. stiffness: the sum
+  // of the diagonal of S over that of the masses.
+  [[nodiscard]] static bool pays(std::size_t nodes, double stiffness) noexcept;
+
+  void clear() noexcept { is_ready_ = false; }
+  [[nodiscard]] bool any() const noexcept { return is_ready_; }
+
+  // Divides the nodes that move into groups, where they are now: in two halves along the longer side, and so on. What
+  // was added before is dropped. position: x, y, z, [node] m.
+  void begin(const std::array<const double*, 3>& position, const std::vector<std::uint8_t>& constrained);
+  // Adds a block of S, of a row and a column; all of them, but for nodes that do not move, which are left out.
+  void add_block(std::size_t row, std::size_t column, const Eigen::Matrix3d& block);
+  // Adds a spring's a I + q q^T.
+  void add_spring(std::size_t first, std::size_t second, double a, const Eigen::Vector3d& q);
+  // Ready, but for a matrix that is not positive definite.
+  void factorise();
+
+  // z += P (P^T S P)^-1 P^T r; answers r times that. Vectors have `stride` numbers a node, the first three of meaning.
+  template <std::size_t stride, class Number>
+  double correct(const Number* r, Number* z) {
+    for (std::size_t g = 0; g + 1 < start_.size(); ++g) {
+      double sum[6] = {};
+      for (std::uint32_t i = start_[g]; i < start_[g + 1]; ++i) {
+        const Number* const f = r + stride * node_[i];
+        const float* const d = &arm_[3 * std::size_t{i}];
+        const double x = f[0], y = f[1], w = f[2];
+        sum[0] += x;
+        sum[1] += y;
+        sum[2] += w;
+        sum[3] += d[1] * w - d[2] * y;
+        sum[4] += d[2] * x - d[0] * w;
+        sum[5] += d[0] * y - d[1] * x;
+      }
+      for (std::size_t c = 0; c < 6; ++c) right_[static_cast<Eigen::Index>(6 * g + c)] = static_cast<float>(sum[c]);
+    }
+    solve();
+    for (std::size_t g = 0; g + 1 < start_.size(); ++g) {
+      const float* const t = solution_.data() + 6 * g;
+      for (std::uint32_t i = start_[g]; i < start_[g + 1]; ++i) {
+        Number* const to = z + stride * node_[i];
+        const float* const d = &arm_[3 * std::size_t{i}];
+        to[0] += t[0] + t[4] * d[2] - t[5] * d[1];
+        to[1] += t[1] + t[5] * d[0] - t[3] * d[2];
+        to[2] += t[2] + t[3] * d[1] - t[4] * d[0];
+      }
+    }
+    return static_cast<double>(right_.dot(solution_));
+  }
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffffu;
+  void solve();
+  [[nodiscard]] Eigen::Vector3d arm(std::size_t node) const {
+    const float* const d = &arm_[3 * std::size_t{place_[node]}];
+    return {d[0], d[1], d[2]};
+  }
+
+  bool is_ready_ = false;
+  std::vector<std::uint32_t> node_, start_;   // nodes by group; [group + 1]
+  std::vector<std::uint32_t> group_, place_;  // [node]; none: it does not move
+  std::vector<float> arm_;                    // [place][3] from the group's centre, in its own radius
+  Eigen::MatrixXd matrix_;                    // lower triangle
+  Eigen::LLT<Eigen::MatrixXf> factors_;
+  Eigen::VectorXf right_, solution_, scale_;
+};
+
+}  // namespace springnet::layers
