@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double rounding = 1e-13;  // of the greatest value: what is left of a vector that the basis contains
+constexpr double rounding_of_basis = 1e-13;  // of the greatest value: what is left of a vector that the basis contains
 
 // Takes away what the basis contains, twice: after one pass, rounding of large parts is left.
 void orthogonalise(const std::vector<VectorXd>& basis, VectorXd& vector) {
@@ -72,7 +72,7 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
     orthogonalise(left, u);
     diagonal.push_back(u.norm());
     greatest = std::max(greatest, diagonal.back());
-    const bool is_new = diagonal.back() > rounding * greatest;
+    const bool is_new = diagonal.back() > rounding_of_basis * greatest;
     VectorXd next = VectorXd::Zero(columns);
     if (is_new) {
       u /= diagonal.back();
@@ -86,7 +86,7 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
     above.push_back(next.norm());
 
     const auto count = static_cast<Index>(diagonal.size());
-    const bool ends = above.back() <= rounding * greatest;  // the basis has all that acts on its vectors
+    const bool ends = above.back() <= rounding_of_basis * greatest;  // the basis has all that acts on its vectors
     const bool is_last = count >= options.most_products || count >= columns;
     if (!ends && !is_last && count > products_with_each && count % products_between != 0) {
       right.push_back(next / next.norm());
@@ -106,7 +106,7 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
       ++settled;
     if (result.all || is_last || settled >= options.wanted) {
       settled = std::min(settled, options.wanted);
-      while (settled > 0 && !(svd.singularValues()[settled - 1] > rounding * greatest)) --settled;
+      while (settled > 0 && !(svd.singularValues()[settled - 1] > rounding_of_basis * greatest)) --settled;
       result.values = svd.singularValues().head(settled);
       result.right = MatrixXd::Zero(columns, settled);
       for (Index k = 0; k < count; ++k)
