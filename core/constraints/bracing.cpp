@@ -8,7 +8,7 @@
 namespace springnet {
 namespace {
 
-constexpr int max_rounds = 100;  // of cutting planes
+constexpr int max_cuts = 100;  // of cutting planes
 
 // Minimises |columns u - goal| over u >= 0. Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& goal) {
@@ -83,7 +83,7 @@ std::optional<Eigen::VectorXd> min_norm_in_cones(const Eigen::VectorXd& base, co
     from[i] = base[3 * i] - cones[static_cast<std::size_t>(i)].min_normal_force;
     rows.row(i) = matrix.row(3 * i);
   }
-  for (int round = 0; round < max_rounds; ++round) {
+  for (int round = 0; round < max_cuts; ++round) {
     const std::optional<Eigen::VectorXd> x = min_norm_nonnegative(from, rows);
     if (!x) return std::nullopt;
     const Eigen::VectorXd forces = base + matrix * *x;

@@ -14,14 +14,13 @@
 namespace springnet {
 namespace {
 
-constexpr int max_rounds = Island::max_rounds;
-constexpr int max_changes = 200;         // of the active set by pivoting
+constexpr int max_pivots = 200;          // of the active set by pivoting
 constexpr std::size_t max_stored = 64;   // bits of an active set that is stored
 constexpr std::size_t max_pivoted = 24;  // bits of an active set of impulses that is pivoted first
 constexpr int max_bits = 12;             // of an active set that is found by enumeration
 constexpr int max_directions = 200;      // iterations for directions of beginning slip
 constexpr double singular = 1e-9;        // in units of the greatest pivot
-constexpr int rounds_per_check = max_rounds / 10;
+constexpr int rounds_per_check = Island::max_rounds / 10;
 constexpr int max_guesses = 20;  // of them, fixed-point iterations along the acceleration
 
 std::vector<Vector3> active_normals(const ContactNode& node) {
@@ -370,7 +369,7 @@ bool Island::pivot(double negligible, std::set<std::size_t>& changed) {
   std::vector<std::uint8_t> closed_before(nodes_.size(), 0);
   const bool is_stored = bit_count() <= max_stored;
   const auto is_new = [&] { return !is_stored || seen.emplace(active_set(), braced_set()).second; };
-  for (int change = 0; change < max_changes && is_new(); ++change) {
+  for (int change = 0; change < max_pivots && is_new(); ++change) {
     solve();
     const Violation violation = find_violation(negligible);
     ContactNode& node = nodes_[violation.node];
@@ -437,7 +436,7 @@ bool Island::resolve_impulses(double negligible) {
   bool relaxed = false;
   for (const double held_coefficient : {friction_of_held, 1.0}) {
     if (bit_count() <= max_stored) set_active_set(start);
-    if ((relaxed = relax(held_coefficient, is_large ? max_rounds : max_rounds / 10, before))) break;
+    if ((relaxed = relax(held_coefficient, is_large ? Island::max_rounds : Island::max_rounds / 10, before))) break;
   }
   if (!relaxed && is_large && bit_count() <= max_stored) set_active_set(start);
   if (!relaxed && is_large && pivot(negligible, changed) && directions_fit_) return true;
@@ -470,7 +469,7 @@ bool Island::resolve(double negligible, bool thoroughly) {
   const std::size_t bits = bit_count();
   if (thoroughly && bits <= max_bits && enumerate(negligible)) return true;
   if (bits <= max_stored) set_active_set(start);
-  if (thoroughly && relax(friction_of_held, max_rounds, {})) {
+  if (thoroughly && relax(friction_of_held, Island::max_rounds, {})) {
     solve();
     if (find_violation(1e3 * negligible).kind == Violation::Kind::none) return true;
   }

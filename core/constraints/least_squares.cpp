@@ -11,4 +11,8 @@ Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::Vector
   return factors.compute(matrix).solve(right_hand_side);
 }
 
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix) {
+  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(matrix).pseudoInverse();
+}
+
 }  // namespace springnet

@@ -13,4 +13,6 @@ namespace springnet {
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
                                             std::optional<double> threshold = {});
 
+[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix);
+
 }  // namespace springnet

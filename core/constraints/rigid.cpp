@@ -10,13 +10,13 @@
 #include <map>
 #include <numeric>
 
+#include "constraints/cluster.hpp"
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
 
 namespace springnet {
 namespace {
 
-constexpr std::uint32_t no_cluster = 0xffffffffu;
 // Relative accuracy of a corrected length: far below the guaranteed 1e-8, above rounding.
 constexpr double length_accuracy = 1e-12;
 constexpr int max_corrections = 30;

@@ -38,7 +38,8 @@ inline constexpr std::array shapes{Word{"Triangle", Shape::triangle}, Word{"Trap
                                    Word{"Gaussian", Shape::gaussian}, Word{"Sigmoid", Shape::sigmoid},
                                    Word{"Linear", Shape::linear}};
 
-// Letters of the alphabet of ASCII alone.
+// Letters of the alphabet of ASCII alone. A name may have '_' as a letter.
+[[nodiscard]] bool is_letter(char c) noexcept;
 [[nodiscard]] bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept;
 
 template <class Kind, std::size_t count>

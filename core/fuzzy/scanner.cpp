@@ -9,11 +9,12 @@
 #include <springnet/error.hpp>
 #include <springnet/printable.hpp>
 
+#include "fuzzy/names.hpp"
+
 namespace springnet::fuzzy {
 namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
 }  // namespace
 

@@ -7,6 +7,9 @@ namespace springnet::layers {
 
 using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+// Mass times da/dF of a point mass is the identity, up to this.
+inline constexpr double point_mass_rounding = 1e-12;
+
 // The matrix [a]x of x -> a x x.
 [[nodiscard]] inline Block cross_matrix(const Vector3& a) {
   Block block;

@@ -7,8 +7,6 @@
 namespace springnet::layers {
 namespace {
 
-constexpr double rounding = 1e-12;  // of mass times da/dF, 1 for a point mass
-
 Vector3 external_force(std::uint32_t node, double mass, const NodeArrays& nodes, const LoadedFaces& faces,
                        const ExternalForces& external) {
   Vector3 force = mass * external.gravity;
@@ -111,7 +109,7 @@ springnet_status Evaluator::evaluate_node(std::uint32_t node, double time, const
   }
   if (energy != nullptr) {
     const bool point_mass = differentiable && by_position.isZero(0.0) && by_velocity.isZero(0.0) &&
-                            (mass_[node] * by_force).isIdentity(rounding);
+                            (mass_[node] * by_force).isIdentity(point_mass_rounding);
     if (!point_mass) *energy = std::numeric_limits<double>::quiet_NaN();
   }
   return SPRINGNET_OK;

@@ -14,12 +14,12 @@
 namespace springnet::layers {
 namespace {
 
-constexpr std::size_t most = states_batch;
+constexpr std::size_t most_members = states_batch;
 
 // A value for each member and state, or pair of states. Not initialised: written before it is read.
 template <std::size_t rows>
 struct Lists {
-  alignas(64) double values[rows][most];
+  alignas(64) double values[rows][most_members];
   double* pointers[rows];
 
   double** first(std::size_t count) noexcept {
@@ -29,9 +29,9 @@ struct Lists {
 };
 
 // Reads from, or writes to, an array over the internal state.
-class Access {
+class StateAccess {
  public:
-  Access(const InternalSelection& internal, const Law& law, std::size_t begin, std::size_t size) noexcept
+  StateAccess(const InternalSelection& internal, const Law& law, std::size_t begin, std::size_t size) noexcept
       : place_(internal.place + begin),
         first_(internal.group->first + law.first_state * internal.group->count),
         pitch_(internal.group->count),
@@ -59,8 +59,8 @@ class Access {
 
 // Whether states that a law gives are finite and, but for rounding, within the bounds that it declares; else the
 // message says which is not.
-bool are_within_bounds(const Law& law, const Access& access, const double (*states)[most], const char* when,
-                       const springnet_law_batch& call) {
+bool are_within_bounds(const Law& law, const StateAccess& access, const double (*states)[most_members],
+                       const char* when, const springnet_law_batch& call) {
   constexpr double rounding = 1e-9, largest = std::numeric_limits<double>::max();
   for (std::size_t j = 0; j < law.state_count; ++j) {
     const springnet_parameter& state = *law.component->law().states[j];
@@ -81,10 +81,10 @@ bool are_within_bounds(const Law& law, const Access& access, const double (*stat
   return true;
 }
 
-springnet_status step(const InternalView& view, const Law& law, const Access& access, const double* const* start_inputs,
-                      springnet_law_batch& call) {
+springnet_status step(const InternalView& view, const Law& law, const StateAccess& access,
+                      const double* const* start_inputs, springnet_law_batch& call) {
   const springnet_law& functions = law.component->law();
-  alignas(64) double start_q[most], start_rate[most];
+  alignas(64) double start_q[most_members], start_rate[most_members];
   Lists<max_states> next;
   springnet_law_update update{};
   update.struct_size = sizeof update;
@@ -112,7 +112,8 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_stat
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_states, 1>;
 
 // With states that follow, dQ = Q_q dq + Q_z dz and dz = (I - w r_z)^-1 w (r_q dq + r_u du).
-springnet_status eliminate(const InternalView& view, const Law& law, const Access& access, springnet_law_batch& call) {
+springnet_status eliminate(const InternalView& view, const Law& law, const StateAccess& access,
+                           springnet_law_batch& call) {
   const springnet_law& functions = law.component->law();
   const std::size_t S = law.state_count;
   const auto size = static_cast<Eigen::Index>(S);
@@ -153,7 +154,7 @@ springnet_status eliminate(const InternalView& view, const Law& law, const Acces
 }
 
 // The states with which a law begins; `call` has those that it declares.
-springnet_status begin_states(const Law& law, const Access& access, springnet_law_batch& call, double* out) {
+springnet_status begin_states(const Law& law, const StateAccess& access, springnet_law_batch& call, double* out) {
   const springnet_law& functions = law.component->law();
   Lists<max_states> states;
   springnet_law_start start{};
@@ -183,7 +184,7 @@ springnet_status evaluate_with_states(const InternalSelection& internal, const L
       std::fill_n(states.values[j], call.count, functions.states[j]->default_value);
     if (view == nullptr) return functions.evaluate(functions.context, &call);
   }
-  const Access access(internal, law, begin, call.count);
+  const StateAccess access(internal, law, begin, call.count);
   if (view->start != nullptr) return begin_states(law, access, call, view->start);
   for (std::size_t j = 0; j < law.state_count; ++j) access.gather(view->values, j, states.values[j]);
   if (view->time_step > 0.0) return step(*view, law, access, start_inputs, call);

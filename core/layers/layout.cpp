@@ -13,7 +13,7 @@ namespace springnet::layers {
 namespace {
 
 // Springs from which on several threads lay them out.
-constexpr std::size_t springs_worth_threads = 100'000;
+constexpr std::size_t laid_out_in_parallel = 100'000;
 
 }  // namespace
 
@@ -95,7 +95,7 @@ void Layout::lay_out(unsigned threads) {
     for_units_of(s, [&](std::uint32_t u, const UnitSpring&) { springs[next[u]++] = s; });
 
   if (threads == 0) threads = static_cast<unsigned>(std::max(1, omp_get_num_procs()));
-  if (alive_.size() < springs_worth_threads) threads = 1;
+  if (alive_.size() < laid_out_in_parallel) threads = 1;
   std::exception_ptr failure;
 #pragma omp parallel num_threads(static_cast <int>(threads))
   {

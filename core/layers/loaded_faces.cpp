@@ -2,13 +2,9 @@
 
 #include <algorithm>
 
+#include "layers/node_vectors.hpp"
+
 namespace springnet::layers {
-namespace {
-
-Vector3 position(const NodeArrays& nodes, std::uint32_t k) { return {nodes.px[k], nodes.py[k], nodes.pz[k]}; }
-
-}  // namespace
-
 LoadedFaces::LoadedFaces(const Network& network, const std::vector<std::uint32_t>& engine)
     : node_count_(engine.size()) {
   for (const Load& load : network.loads()) {
@@ -46,17 +42,17 @@ void LoadedFaces::build() {
 }
 
 Vector3 LoadedFaces::force(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept {
-  const Vector3 own = position(nodes, node);
+  const Vector3 own = position_of(nodes, node);
   Vector3 sum = Vector3::Zero();
   for (const NodeFace& face : faces_at(node))
-    sum -= pressure[face.load] / 6.0 * (position(nodes, face.next) - own).cross(position(nodes, face.last) - own);
+    sum -= pressure[face.load] / 6.0 * (position_of(nodes, face.next) - own).cross(position_of(nodes, face.last) - own);
   return sum;
 }
 
 Block LoadedFaces::stiffness(std::uint32_t node, const NodeArrays& nodes, const double* pressure) const noexcept {
   Vector3 sum = Vector3::Zero();
   for (const NodeFace& face : faces_at(node))
-    sum += pressure[face.load] / 6.0 * (position(nodes, face.last) - position(nodes, face.next));
+    sum += pressure[face.load] / 6.0 * (position_of(nodes, face.last) - position_of(nodes, face.next));
   return cross_matrix(sum);
 }
 
@@ -78,7 +74,7 @@ bool LoadedFaces::is_surrounded(std::uint32_t node) const noexcept {
 
 std::array<Block, 3> LoadedFaces::blocks(std::uint32_t node, const NodeFace& face, const NodeArrays& nodes,
                                          double pressure) noexcept {
-  const Vector3 a = position(nodes, node), b = position(nodes, face.next), c = position(nodes, face.last);
+  const Vector3 a = position_of(nodes, node), b = position_of(nodes, face.next), c = position_of(nodes, face.last);
   const double weight = pressure / 6.0;
   return {cross_matrix(weight * (c - b)), cross_matrix(weight * (a - c)), cross_matrix(weight * (b - a))};
 }

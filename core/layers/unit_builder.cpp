@@ -20,7 +20,7 @@ constexpr std::size_t chunk_cost = 50, listed_cost = 16, window_cost = 12, call_
 constexpr std::size_t most_chunk_slots = 256, most_chunk_slots_of_small_net = max_segment;
 // Springs of a tile with equal parameters that make a segment of their own, whose law reads one value per parameter.
 // In a net that the caches hold, a call of a law costs more than reading values.
-constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, small_net = 4096;
+constexpr std::size_t smallest_uniform = 24, smallest_uniform_of_small_net = 192, springs_of_small_net = 4096;
 
 std::uint32_t offset(const UnitSpring& s) noexcept { return s.other - s.own; }  // of springs that are not far
 
@@ -66,8 +66,8 @@ void sort_by(std::span<UnitSpring> springs, std::vector<UnitSpring>& copy, const
 UnitBuilder::UnitBuilder(const std::vector<Group>& groups, std::uint32_t node_count, std::size_t spring_count)
     : groups_(groups),
       node_count_(node_count),
-      smallest_uniform_(spring_count < small_net ? smallest_uniform_of_small_net : smallest_uniform),
-      most_chunk_slots_(spring_count < small_net ? most_chunk_slots_of_small_net : most_chunk_slots) {}
+      smallest_uniform_(spring_count < springs_of_small_net ? smallest_uniform_of_small_net : smallest_uniform),
+      most_chunk_slots_(spring_count < springs_of_small_net ? most_chunk_slots_of_small_net : most_chunk_slots) {}
 
 void UnitBuilder::build(Unit& unit, std::span<UnitSpring> springs) {
   unit_ = &unit;

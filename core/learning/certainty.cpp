@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/SVD>
 #include <boost/math/distributions/students_t.hpp>
+
+#include "learning/svd.hpp"
 
 namespace springnet::learning {
 
@@ -25,8 +26,8 @@ constexpr double confidence = 0.95;
 
 Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::size_t observed, double guess_weight,
                      double unseen) {
-  const Eigen::BDCSVD<MatrixXd> svd(jacobian, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VectorXd& values = svd.singularValues();
+  const Svd svd = thin_svd(jacobian);
+  const VectorXd& values = svd.values;
   singular_values_.assign(values.data(), values.data() + values.size());
   const Eigen::Index variables = jacobian.cols();
   const VectorXd lengths = jacobian.colwise().norm();
@@ -34,9 +35,9 @@ Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::s
   Eigen::Index rank = 0;
   while (rank < values.size() && values[rank] > std::max(without_influence * values[0], unseen)) ++rank;
   undetermined_ = static_cast<std::size_t>(variables - rank);
-  const MatrixXd u = svd.matrixU().leftCols(rank);
+  const MatrixXd u = svd.left.leftCols(rank);
   const VectorXd own = values.head(rank), inverse = own.cwiseInverse();
-  directions_ = svd.matrixV().leftCols(rank);
+  directions_ = svd.right.leftCols(rank);
   kept_ = own.array().square() / (own.array().square() + guess_weight);
   inverse_ = directions_ * kept_.cwiseProduct(inverse).asDiagonal() * u.transpose();
   middle_ = VectorXd::Zero(variables);

@@ -10,7 +10,7 @@
 namespace springnet::learning {
 namespace {
 
-using Kind = LocatedEvent::Kind;
+using EventKind = LocatedEvent::Kind;
 
 class OfNode {
  public:
@@ -20,18 +20,18 @@ class OfNode {
   [[nodiscard]] std::optional<NodeCondition> found() const {
     const bool on_edge = event_.before.second >= 0;
     switch (event_.kind) {
-      case Kind::touch:
+      case EventKind::touch:
         return of_number(surfaces().gap(event_.surface, place()));
-      case Kind::release:
+      case EventKind::release:
         return of_release();
-      case Kind::slip:
+      case EventKind::slip:
         return on_edge ? std::nullopt : std::optional(of_number(beyond_friction()));
-      case Kind::rest:
+      case EventKind::rest:
         return on_edge ? std::nullopt : std::optional(of_number(dot(constant(event_.slip), slip())));
-      case Kind::slow:
-      case Kind::quick:
+      case EventKind::slow:
+      case EventKind::quick:
         return on_edge ? std::nullopt : std::optional(of_number(length(slip())));
-      case Kind::seam:
+      case EventKind::seam:
         return of_seam();
       default:
         return std::nullopt;

@@ -12,7 +12,7 @@ namespace {
 // Speeds after an event follow from those before to rounding, and to what settling takes for errors of integration.
 constexpr double tolerance = 1e-5;
 // Places do so, too, to this share of them.
-constexpr double rounding = 1e-9;
+constexpr double rounding_of_place = 1e-9;
 
 // With x(t-) the state that a smooth motion has reached at the time t of an event and x(t+) = r(x(t-), t) the one that
 // follows, a change of the motion before, dx at a fixed time, and of the time, dt, give
@@ -96,7 +96,8 @@ class Jump {
   [[nodiscard]] std::optional<NodeJump> matched(const Vector& place, const Vector& velocity) const {
     const double speed = event_.v.norm() + event_.next_v.norm();
     if (!((value_of(velocity) - event_.next_v).norm() <= tolerance * speed)) return std::nullopt;
-    if (!((value_of(place) - event_.next_p).norm() <= tolerance * speed * time_step_ + rounding * event_.p.norm()))
+    if (!((value_of(place) - event_.next_p).norm() <=
+          tolerance * speed * time_step_ + rounding_of_place * event_.p.norm()))
       return std::nullopt;
     const Changes by_place = changes_of(place), by_velocity = changes_of(velocity);
     NodeJump result;

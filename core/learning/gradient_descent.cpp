@@ -11,11 +11,11 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double momentum = 0.9;
-constexpr double growth = 1.1, cut = 0.5;  // of the rate, after a step that was made, or not
-constexpr double least_gain = 1e-4;        // of the decrease that the gradient predicts
-constexpr int small_decreases = 10;        // momentum leads past a minimum and back
+constexpr double growth = 1.1, cut = 0.5;    // of the rate, after a step that was made, or not
+constexpr double least_descent_gain = 1e-4;  // of the decrease that the gradient predicts
+constexpr int small_decreases = 10;          // momentum leads past a minimum and back
 
-struct State : SearchState {
+struct DescentState : SearchState {
   VectorXd step;             // the last one, in units of the variables
   double rate = 0.0;         // of the gradient
   double sensitivity = 0.0;  // see Scaled; 0: not known yet
@@ -33,7 +33,7 @@ Minimum gradient_descent(LeastSquares& problem, const VectorXd& start, const Bou
                          const MinimiseOptions& options) {
   check_start(start, bounds, options);
   const Scaled scaled(bounds, options);
-  State state;
+  DescentState state;
   state.x = start;
   state.step = VectorXd::Zero(start.size());
   take_up(state, options);
@@ -61,7 +61,7 @@ Minimum gradient_descent(LeastSquares& problem, const VectorXd& start, const Bou
       if (step.norm() <= options.step_tolerance * u.norm()) return course.end_by_step(state, cost);
       VectorXd x = scaled.x_of(next), found = problem.residuals(x);
       const double next_cost = 0.5 * found.squaredNorm();
-      if (std::isfinite(next_cost) && cost - next_cost >= least_gain * predicted && next_cost < cost) {
+      if (std::isfinite(next_cost) && cost - next_cost >= least_descent_gain * predicted && next_cost < cost) {
         course.go_on(state, std::move(x), cost, next_cost);
         state.step = step;
         state.rate *= growth;

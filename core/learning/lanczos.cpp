@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <Eigen/SVD>
+#include "learning/svd.hpp"
 
 namespace springnet::learning {
 
@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double rounding = 1e-13;  // of the greatest value: what is left of a vector that the basis contains
+constexpr double rounding_of_basis = 1e-13;  // of the greatest value: what is left of a vector that the basis contains
 
 // Takes away what the basis contains, twice: after one pass, rounding of large parts is left.
 void orthogonalise(const std::vector<VectorXd>& basis, VectorXd& vector) {
@@ -38,11 +38,11 @@ void find_reached(const std::vector<VectorXd>& right, const MatrixXd& b, double 
   MatrixXd whole = MatrixXd::Zero(count, static_cast<Index>(right.size()));
   whole.leftCols(count) = b;
   if (whole.cols() > count) whole(count - 1, count) = above;
-  const Eigen::BDCSVD<MatrixXd> svd(whole, Eigen::ComputeThinV);
-  result.reached = svd.singularValues();
+  const Svd svd = right_svd(whole);
+  result.reached = svd.values;
   result.reached_right = MatrixXd::Zero(right.front().size(), result.reached.size());
   for (std::size_t k = 0; k < right.size(); ++k)
-    result.reached_right += right[k] * svd.matrixV().row(static_cast<Index>(k));
+    result.reached_right += right[k] * svd.right.row(static_cast<Index>(k));
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
     orthogonalise(left, u);
     diagonal.push_back(u.norm());
     greatest = std::max(greatest, diagonal.back());
-    const bool is_new = diagonal.back() > rounding * greatest;
+    const bool is_new = diagonal.back() > rounding_of_basis * greatest;
     VectorXd next = VectorXd::Zero(columns);
     if (is_new) {
       u /= diagonal.back();
@@ -86,7 +86,7 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
     above.push_back(next.norm());
 
     const auto count = static_cast<Index>(diagonal.size());
-    const bool ends = above.back() <= rounding * greatest;  // the basis has all that acts on its vectors
+    const bool ends = above.back() <= rounding_of_basis * greatest;  // the basis has all that acts on its vectors
     const bool is_last = count >= options.most_products || count >= columns;
     if (!ends && !is_last && count > products_with_each && count % products_between != 0) {
       right.push_back(next / next.norm());
@@ -97,20 +97,20 @@ SingularValues greatest_singular_values(const Product& times, const Product& tra
       b(k, k) = diagonal[static_cast<std::size_t>(k)];
       if (k + 1 < count) b(k, k + 1) = above[static_cast<std::size_t>(k)];
     }
-    const Eigen::JacobiSVD<MatrixXd> svd(b, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    greatest = std::max(greatest, svd.singularValues()[0]);
+    const Svd svd = full_svd(b);
+    greatest = std::max(greatest, svd.values[0]);
     result.all = ends && count >= columns;
     Index settled = 0;
     while (settled < count &&
-           (ends || above.back() * std::abs(svd.matrixU()(count - 1, settled)) <= options.tolerance * greatest))
+           (ends || above.back() * std::abs(svd.left(count - 1, settled)) <= options.tolerance * greatest))
       ++settled;
     if (result.all || is_last || settled >= options.wanted) {
       settled = std::min(settled, options.wanted);
-      while (settled > 0 && !(svd.singularValues()[settled - 1] > rounding * greatest)) --settled;
-      result.values = svd.singularValues().head(settled);
+      while (settled > 0 && !(svd.values[settled - 1] > rounding_of_basis * greatest)) --settled;
+      result.values = svd.values.head(settled);
       result.right = MatrixXd::Zero(columns, settled);
       for (Index k = 0; k < count; ++k)
-        result.right += right[static_cast<std::size_t>(k)] * svd.matrixV().row(k).head(settled);
+        result.right += right[static_cast<std::size_t>(k)] * svd.right.row(k).head(settled);
       if (!ends) right.push_back(next / next.norm());
       find_reached(right, b, ends ? 0.0 : above.back(), result);
       return result;

@@ -19,8 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index most_pairs = 10;
-constexpr double least_gain = 1e-4, most_slope = 0.9;  // Wolfe's conditions, of the decrease and of the slope
-constexpr int most_trials = 40;                        // of a line search
+constexpr double least_wolfe_gain = 1e-4, most_slope = 0.9;  // Wolfe's conditions, of the decrease and of the slope
+constexpr int most_trials = 40;                              // of a line search
 
 // Of the cost by the variables in their units: B = theta I - W M W^T, from the last steps and changes of the gradient.
 class Curvature {
@@ -168,8 +168,8 @@ double room(const VectorXd& u, const VectorXd& step, const Scaled& bounds) {
   return std::max(0.0, share);
 }
 
-struct State : SearchState {
-  explicit State(Index variables) : curvature(variables) {}
+struct LbfgsState : SearchState {
+  explicit LbfgsState(Index variables) : curvature(variables) {}
   Curvature curvature;
   double sensitivity = 0.0;  // see Scaled; 0: not known yet
   void archive(Archive& archive) {
@@ -184,9 +184,9 @@ struct Point {
   double cost = 0.0;
 };
 
-class Search {
+class LineSearch {
  public:
-  Search(LeastSquares& problem, const Scaled& scaled) : problem_(problem), scaled_(scaled) {}
+  LineSearch(LeastSquares& problem, const Scaled& scaled) : problem_(problem), scaled_(scaled) {}
 
   [[nodiscard]] Point at(const VectorXd& x) {
     Point point{x, problem_.residuals(x), {}, 0.0};
@@ -219,7 +219,7 @@ class Search {
     std::optional<Point> best;
     for (int trial = 0; trial < most_trials; ++trial) {
       Point next = at(scaled_.x_of(scaled_.within(u + share * direction)));
-      if (!std::isfinite(next.cost) || next.cost > from.cost + least_gain * share * slope) {
+      if (!std::isfinite(next.cost) || next.cost > from.cost + least_wolfe_gain * share * slope) {
         if (best) return best;
         was_too_long = true;
         // The minimum of the parabola through both costs with this slope.
@@ -246,8 +246,8 @@ class Search {
 Minimum lbfgs(LeastSquares& problem, const VectorXd& start, const Bounds& bounds, const MinimiseOptions& options) {
   check_start(start, bounds, options);
   const Scaled scaled(bounds, options);
-  Search search(problem, scaled);
-  State state(start.size());
+  LineSearch search(problem, scaled);
+  LbfgsState state(start.size());
   state.x = start;
   take_up(state, options);
   Point now = search.at(state.x);

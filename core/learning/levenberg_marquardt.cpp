@@ -18,11 +18,11 @@ using Eigen::VectorXd;
 
 // With less damping rounding alone would move values along directions that the residuals do not depend on.
 constexpr double first_damping = 1e-3, least_damping = 1e-12, most_damping = 1e20;
-constexpr double least_gain = 1e-4;  // of the decrease that the linear model predicts
-constexpr int most_inner = 500;      // conjugate gradients
+constexpr double least_model_gain = 1e-4;  // of the decrease that the linear model predicts
+constexpr int most_inner = 500;            // conjugate gradients
 constexpr double loosest_inner = 0.1, tightest_inner = 1e-8;
 
-struct State : SearchState {
+struct MarquardtState : SearchState {
   double damping = first_damping, growth = 2.0;
   VectorXd scale;  // see LinearModel
   void archive(Archive& archive) {
@@ -147,7 +147,7 @@ class LinearModel {
 Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const Bounds& bounds,
                             const MinimiseOptions& options) {
   check_start(start, bounds, options);
-  State state;
+  MarquardtState state;
   state.x = start;
   state.scale = VectorXd::Zero(start.size());
   take_up(state, options);
@@ -180,7 +180,7 @@ Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const 
       }
       VectorXd next = problem.residuals(x);
       const double next_cost = 0.5 * next.squaredNorm(), gain = (cost - next_cost) / predicted;
-      if (std::isfinite(next_cost) && predicted > 0.0 && gain > least_gain) {
+      if (std::isfinite(next_cost) && predicted > 0.0 && gain > least_model_gain) {
         course.go_on(state, std::move(x), cost, next_cost);
         residuals = std::move(next);
         cost = next_cost;

@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr Index most_kept = 40;
-constexpr double without_influence = 1e-13;  // of the greatest component of J^T w
+constexpr double without_curvature = 1e-13;  // of the greatest component of J^T w
 constexpr std::uint64_t probes = 2;
 
 VectorXd gradient_of(Fit& fit, const VectorXd& weights) {
@@ -46,7 +46,7 @@ void describe_many(LearnedNet& learned, Fit& fit, int products) {
   VectorXd greatest = VectorXd::Zero(fit.variables().count());
   for (std::uint64_t probe = 1; probe <= probes; ++probe)
     greatest = greatest.cwiseMax(gradient_of(fit, arbitrary_vector(fit.observation_rows(), probe)).cwiseAbs());
-  const double least = without_influence * greatest.maxCoeff();
+  const double least = without_curvature * greatest.maxCoeff();
   const Variables& variables = fit.variables();
   for (std::size_t k = 0; k < learned.parameters.size(); ++k) {
     LearnedParameter& each = learned.parameters[k];

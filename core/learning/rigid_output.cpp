@@ -6,7 +6,8 @@
 #include <utility>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
+
+#include "constraints/least_squares.hpp"
 
 namespace springnet::learning {
 
@@ -86,8 +87,7 @@ class Cluster {
       result.g.block<1, 3>(r, 3 * rod.first) = result.directions.back().transpose();
       result.g.block<1, 3>(r, 3 * rod.second) = -result.directions.back().transpose();
     }
-    result.inverse =
-        (result.g * weights_.asDiagonal() * result.g.transpose()).completeOrthogonalDecomposition().pseudoInverse();
+    result.inverse = pseudo_inverse(result.g * weights_.asDiagonal() * result.g.transpose());
     return result;
   }
   // How a rod's direction turns with the difference of its ends.

@@ -11,27 +11,27 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-using Kind = LocatedEvent::Kind;
+using EventKind = LocatedEvent::Kind;
 
-Kind kind_of(ContactEvents::Source::Kind kind) {
+EventKind kind_of(ContactEvents::Source::Kind kind) {
   using Source = ContactEvents::Source::Kind;
   switch (kind) {
     case Source::touch:
-      return Kind::touch;
+      return EventKind::touch;
     case Source::release:
-      return Kind::release;
+      return EventKind::release;
     case Source::slip:
-      return Kind::slip;
+      return EventKind::slip;
     case Source::rest:
-      return Kind::rest;
+      return EventKind::rest;
     case Source::slow:
-      return Kind::slow;
+      return EventKind::slow;
     case Source::quick:
-      return Kind::quick;
+      return EventKind::quick;
     case Source::stall:
-      return Kind::stall;
+      return EventKind::stall;
     default:
-      return Kind::seam;
+      return EventKind::seam;
   }
 }
 
@@ -82,7 +82,7 @@ void PartRecorder::fires(Engine& engine, double, const State& state, const std::
     by_sources_.push_back(event);
   }
   const Topology::Rupturing& breaking = engine.topology().rupturing();
-  const auto add_rupture = [&](Kind kind, std::uint32_t index) {
+  const auto add_rupture = [&](EventKind kind, std::uint32_t index) {
     LocatedEvent event;
     event.kind = kind;
     event.index = index;
@@ -90,9 +90,9 @@ void PartRecorder::fires(Engine& engine, double, const State& state, const std::
   };
   const std::int32_t* next = fired + sources.size();
   for (const std::uint32_t spring : breaking.springs)
-    if (*next++ != 0) add_rupture(Kind::spring_rupture, spring);
+    if (*next++ != 0) add_rupture(EventKind::spring_rupture, spring);
   for (const std::uint32_t element : breaking.elements)
-    if (*next++ != 0) add_rupture(Kind::element_rupture, element);
+    if (*next++ != 0) add_rupture(EventKind::element_rupture, element);
   slips_.assign(within_.empty() ? 0 : model.node_count(), Vector3::Zero());
   for (const auto& [node, touch] : within_) slips_[node] = model.contact.slip(node);
 }
@@ -118,7 +118,7 @@ void PartRecorder::add_events_of_nodes(Engine& engine, StepPart& part) {
   const Model& model = engine.model();
   const springnet_state& now = model.state.view;
   const std::map<std::uint32_t, Outcome> all = outcomes(engine);
-  const auto add = [&](Kind kind, std::uint32_t node, std::int32_t surface) {
+  const auto add = [&](EventKind kind, std::uint32_t node, std::int32_t surface) {
     LocatedEvent event;
     event.kind = kind;
     event.index = node;
@@ -135,15 +135,15 @@ void PartRecorder::add_events_of_nodes(Engine& engine, StepPart& part) {
   for (const auto& [node, own] : all) {
     const Touch before = touch_of(within_, node);
     if (!own.touched.empty()) {
-      add(own.touched.size() > 1 ? Kind::several : Kind::touch, node, own.touched.front());
+      add(own.touched.size() > 1 ? EventKind::several : EventKind::touch, node, own.touched.front());
     } else if (!own.released.empty()) {
       const auto fired = std::find_if(by_sources_.begin(), by_sources_.end(), [k = node](const LocatedEvent& each) {
-        return each.kind == Kind::release && each.index == k;
+        return each.kind == EventKind::release && each.index == k;
       });
-      add(own.released.size() > 1 ? Kind::several : Kind::release, node,
+      add(own.released.size() > 1 ? EventKind::several : EventKind::release, node,
           fired == by_sources_.end() ? own.released.front() : fired->surface);
     } else if (own.slipped || own.stuck) {
-      add(own.slipped ? Kind::slip : Kind::rest, node, before.surface);
+      add(own.slipped ? EventKind::slip : EventKind::rest, node, before.surface);
     }
   }
   // Those without a consequence for the contact divide the step, too.

@@ -17,7 +17,7 @@ constexpr Eigen::Index most_plain = 12;
 constexpr int steps_until_tried = 20;
 // The host's solver need not be more accurate than what it leaves even if it is exact; and it may be better in steps to
 // come.
-constexpr double loosest_inner = 0.03, tightest_inner = 1e-4, forgetting = 0.5;
+constexpr double loosest_linear = 0.03, tightest_linear = 1e-4, forgetting = 0.5;
 // Steps that a system is kept for, while it takes at most so many iterations more than at first.
 constexpr int most_steps_kept = 10;
 constexpr Eigen::Index more_iterations = 1;
@@ -193,7 +193,7 @@ bool StepSolver::iterate(const Map& matrix, const Preconditioner* preconditioner
     const Eigen::Index k = count++;
     const auto number = static_cast<std::size_t>(k);
     const double left = std::abs(g[k]);
-    const double inner = std::clamp(std::max(mismatch, 0.3 * allowed / left), tightest_inner, loosest_inner);
+    const double inner = std::clamp(std::max(mismatch, 0.3 * allowed / left), tightest_linear, loosest_linear);
     if (preconditioner == nullptr) {
       matrix(basis_[number], next);
     } else {

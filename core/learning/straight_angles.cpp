@@ -15,7 +15,7 @@ namespace springnet::learning {
 namespace {
 
 // Of forces; and of angles (rad), which count as straight so far away.
-constexpr double rounding = 1e-9, nearly_straight = 2e-7;
+constexpr double rounding_of_force = 1e-9, nearly_straight = 2e-7;
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void check_straight_angles(Engine& engine, double time, const layers::NodeArrays
     const layers::ElementForce law = layers::element_force(layout.laws().groups[elements.group(e)], answers, 0, true);
     const double viscous = law.by_rate * state.rate;
     const double negligible =
-        rounding * (std::abs(law.force) + std::abs(viscous)) + nearly_straight * std::abs(law.by_q);
+        rounding_of_force * (std::abs(law.force) + std::abs(viscous)) + nearly_straight * std::abs(law.by_q);
     if (std::abs(law.force - viscous) <= negligible) continue;
     throw Error(ErrorKind::input,
                 fmt::format("learning: element {}, an angle, is exactly straight at the start, where its laws answer "

@@ -7,6 +7,7 @@
 
 #include <springnet/sdk/host.hpp>
 
+#include "constraints/least_squares.hpp"
 #include "constraints/vectors.hpp"
 #include "learning/at_scope_end.hpp"
 
@@ -134,7 +135,7 @@ VectorXd with_lengths(const ClusterOverStep& cluster, VectorXd place) {
     const double worst = gap.cwiseAbs().maxCoeff();
     if (worst >= 0.5 * last) break;  // only rounding is left
     last = worst;
-    place -= rows.completeOrthogonalDecomposition().solve(gap);
+    place -= least_squares(rows, gap);
   }
   return place;
 }

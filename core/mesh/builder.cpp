@@ -19,7 +19,7 @@ constexpr std::size_t tell_every = std::size_t{1} << 16;  // points or cells
 constexpr double largest_coordinate = 1e100;
 
 // Limit of the cells in all groups together: base_limit + max_groups_per_cell times the cells of the mesh.
-constexpr std::size_t max_groups_per_cell = 100, base_limit = 1'000'000;
+constexpr std::size_t max_groups_per_cell = 100, base_cell_limit = 1'000'000;
 
 constexpr std::size_t max_names = 5, max_notes = 20, max_name_length = 40;
 
@@ -89,7 +89,7 @@ std::size_t Builder::group(const std::string& name) {
 void Builder::add_cells_to_group(std::size_t group, std::size_t first_cell, std::size_t end_cell) {
   if (first_cell == end_cell) return;
   grouped_cells_ += end_cell - first_cell;
-  if (grouped_cells_ > base_limit + max_groups_per_cell * mesh_.cell_count()) {
+  if (grouped_cells_ > base_cell_limit + max_groups_per_cell * mesh_.cell_count()) {
     source_.fail(
         fmt::format("groups have {} cells in total, of {} cells so far; the file is damaged or has too many groups: "
                     "save it with fewer",

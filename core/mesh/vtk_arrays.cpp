@@ -19,7 +19,7 @@ constexpr std::uint64_t max_expansion = 1032;
 
 // Limits of memory: base_limit and so many bytes for each byte of the file. A number of one byte or two characters
 // takes eight bytes in memory, arrays may share their data, and zlib compresses meshes to about a tenth.
-constexpr std::uint64_t max_per_byte = 16, max_per_compressed_byte = 100, base_limit = 1U << 24U;
+constexpr std::uint64_t max_per_byte = 16, max_per_compressed_byte = 100, base_byte_limit = 1U << 24U;
 
 int base64_digit(char c) noexcept {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -90,7 +90,7 @@ Scalar ArrayReader::type(pugi::xml_node array) const {
 
 void ArrayReader::claim(pugi::xml_node array, std::uint64_t count, std::uint64_t bytes_each) {
   const std::uint64_t each = encoding_.compressed ? max_per_compressed_byte : max_per_byte;
-  const std::uint64_t limit = base_limit + source_.text().size() * each - claimed_;
+  const std::uint64_t limit = base_byte_limit + source_.text().size() * each - claimed_;
   if (count > limit / bytes_each) {
     fail(array, fmt::format("{} declares {} values; together with the arrays before it this is more than the file can "
                             "hold; it is damaged, export it again",

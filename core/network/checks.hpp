@@ -14,6 +14,9 @@
 
 namespace springnet::checks {
 
+// Numbers of nodes, springs, elements and rigid connections have 32 bits; the largest stands for "none".
+inline constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
+
 [[noreturn]] inline void fail(const std::string& message) { throw Error(ErrorKind::input, message); }
 
 inline std::string text(const Vector3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }

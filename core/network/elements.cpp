@@ -12,8 +12,6 @@ namespace {
 
 using namespace checks;
 
-constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
-
 std::uint64_t directed(NodeIndex from, NodeIndex to) { return std::uint64_t{from} << 32 | to; }
 
 // Every edge must belong to two triangles, once in each direction.

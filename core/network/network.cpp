@@ -10,9 +10,6 @@ namespace {
 
 using namespace checks;
 
-// Numbers of nodes and springs have 32 bits; the largest stands for "none".
-constexpr std::size_t max_count = std::numeric_limits<std::uint32_t>::max();
-
 constexpr double length_accuracy = 1e-8;  // relative; the integrators keep lengths to this
 
 // A string that identifies a use: equal for equal uses only.

@@ -18,7 +18,6 @@
 namespace springnet::scene {
 namespace {
 
-constexpr std::size_t max_path_length = 200;  // characters of it in messages
 static_assert(largest_csv <= largest_scene, "read_scene_text reads no more");
 
 std::string_view without_spaces(std::string_view text) {
@@ -33,9 +32,9 @@ std::string_view without_quotes(std::string_view name) {
   return name.size() >= 2 && name.front() == '"' && name.back() == '"' ? name.substr(1, name.size() - 2) : name;
 }
 
-class Reader {
+class CsvReader {
  public:
-  Reader(std::string_view text, std::string_view name) : text_(text), name_(name) {
+  CsvReader(std::string_view text, std::string_view name) : text_(text), name_(name) {
     constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // of UTF-8
     if (text_.starts_with(byte_order_mark)) text_.remove_prefix(byte_order_mark.size());
   }
@@ -86,7 +85,7 @@ std::string_view read_number(std::string_view cell, double& value) {
 }  // namespace
 
 CsvTable::CsvTable(std::string_view text, std::string name, std::size_t most_cells) : file_(std::move(name)) {
-  Reader reader(text, file_);
+  CsvReader reader(text, file_);
   const std::optional<std::string_view> header = reader.next();
   if (!header) reader.fail("the file has no header line; begin it with the names of its columns, separated by commas");
   header_line_ = reader.line();

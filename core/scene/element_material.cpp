@@ -33,7 +33,7 @@ bool has_parameter(const Component& law, std::string_view name) {
                      [&](const springnet_parameter* each) { return name == each->name; });
 }
 
-struct Reader {
+struct MaterialReader {
   const Table& body;
   const Table& table;
   const PluginHost& plugins;
@@ -117,7 +117,7 @@ std::optional<ElementMaterial> read_element_material(const Table& body, const Pl
   const auto value = body.find("material");
   if (!value) return std::nullopt;
   const Table table = value->table("body.material");
-  const Reader reader{body, table, plugins, files};
+  const MaterialReader reader{body, table, plugins, files};
   const std::optional<LawUse> formula = reader.formula();
   const std::shared_ptr<const Component> component = formula ? formula->component : element_law(table, plugins);
   if (component == nullptr) {

@@ -7,10 +7,10 @@
 
 #include <springnet/printable.hpp>
 
+#include "scene/file_text.hpp"
+
 namespace springnet::scene {
 namespace {
-
-constexpr std::size_t max_path_length = 200;  // characters of it in messages
 
 std::filesystem::path follow_links(const std::filesystem::path& path, const Value& name) {
   std::error_code failed;

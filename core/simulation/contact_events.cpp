@@ -11,7 +11,6 @@ namespace springnet {
 namespace {
 
 constexpr double rounding_of_force = 1e-14;  // in units of the force scale
-constexpr double min_force = 1e-9;           // likewise: smaller forces decide nothing
 // Friction follows the direction of a slip faster than this multiple of the rest speed.
 constexpr double quick_slip = 4.0;
 
@@ -133,7 +132,7 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
       if (const springnet_status status = reactions.constrained(k, a); status != SPRINGNET_OK) return status;
       value = contact.slip_direction(at, k, source.surface, p, reactions.velocity(k))
                   .dot(a - Contact::acceleration(at, source.surface, p)) +
-              min_force * model_.scales.force / model_.mass[k];  // a is 0 if rods to sticking nodes hold it
+              Scales::min_force * model_.scales.force / model_.mass[k];  // a is 0 if rods to sticking nodes hold it
       return SPRINGNET_OK;
     }
     case Kind::slow:

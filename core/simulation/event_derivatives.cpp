@@ -90,9 +90,9 @@ class Margin {
 };
 
 // Writes the answer, node by node.
-class Answer {
+class EventAnswer {
  public:
-  Answer(springnet_event_derivative& request, std::size_t n) : request_(request), n_(n) {
+  EventAnswer(springnet_event_derivative& request, std::size_t n) : request_(request), n_(n) {
     request.by_time = 0.0;
     for (double* const array : {request.by_position, request.by_velocity})
       if (array != nullptr) std::fill_n(array, 3 * n, 0.0);
@@ -113,7 +113,7 @@ class Answer {
 };
 
 springnet_status of_spring(Model& model, std::uint32_t spring, double time, const layers::NodeArrays& nodes,
-                           const layers::ResolvedSets& sets, Answer& answer) {
+                           const layers::ResolvedSets& sets, EventAnswer& answer) {
   const layers::Group& group = model.layout.group_of(spring);
   const layers::SetsOfGroup& wanted = sets.of(model.layout.laws().group[spring], false);
   Margin margins[2] = {{group.spring, wanted.laws[0], *nodes.internal},
@@ -144,7 +144,7 @@ springnet_status of_spring(Model& model, std::uint32_t spring, double time, cons
 
 // Whose laws read several scalars.
 springnet_status of_several(Model& model, std::uint32_t element, double time, const layers::NodeArrays& nodes,
-                            const layers::ResolvedSets& sets, Answer& answer) {
+                            const layers::ResolvedSets& sets, EventAnswer& answer) {
   const layers::ElementLayout& elements = model.layout.elements();
   const layers::Group& group = model.layout.laws().groups[elements.group(element)];
   const layers::SetsOfGroup& wanted = sets.of(elements.group(element), true);
@@ -183,7 +183,7 @@ springnet_status of_several(Model& model, std::uint32_t element, double time, co
 }
 
 springnet_status of_element(Model& model, std::uint32_t element, double time, const layers::NodeArrays& nodes,
-                            const layers::ResolvedSets& sets, Answer& answer) {
+                            const layers::ResolvedSets& sets, EventAnswer& answer) {
   const layers::ElementLayout& elements = model.layout.elements();
   const layers::Group& group = model.layout.laws().groups[elements.group(element)];
   const layers::SetsOfGroup& wanted = sets.of(elements.group(element), true);
@@ -232,7 +232,7 @@ springnet_status find_event_derivative(Model& model, ContactEvents& events, Topo
   if (request.event >= sources.size() + breaking.count())
     throw Error(ErrorKind::plugin, fmt::format("event {} does not exist: the network has {}", request.event,
                                                sources.size() + breaking.count()));
-  Answer answer(request, model.node_count());
+  EventAnswer answer(request, model.node_count());
   if (request.event < sources.size()) {
     const ContactEvents::Source& source = sources[request.event];
     if (source.kind != Kind::touch)

@@ -16,16 +16,16 @@
 namespace springnet {
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void refuse_extension(const std::string& what) {
   throw Error(ErrorKind::input, fmt::format("extend: {}; it may only add", what));
 }
 
 template <class List, class Same>
 void check_list(const List& before, const List& now, const char* what, const Same& same) {
   if (now.size() < before.size())
-    refuse(fmt::format("there are {} {} in place of {}", now.size(), what, before.size()));
+    refuse_extension(fmt::format("there are {} {} in place of {}", now.size(), what, before.size()));
   for (std::size_t i = 0; i < before.size(); ++i)
-    if (!same(before[i], now[i])) refuse(fmt::format("number {} of the {} was changed", i, what));
+    if (!same(before[i], now[i])) refuse_extension(fmt::format("number {} of the {} was changed", i, what));
 }
 
 // What is there has to stay as it is. (A motion of a node fixes it.)
@@ -39,7 +39,7 @@ void check_only_added(const Network& before, const Network& now) {
     bool moves = false;
     for (std::size_t m = before.moves().size(); m < now.moves().size(); ++m)
       for (const NodeIndex node : now.moves()[m].nodes) moves = moves || node == k;
-    if (!moves) refuse(fmt::format("node {} was fixed: use set_fixed of the simulation", k));
+    if (!moves) refuse_extension(fmt::format("node {} was fixed: use set_fixed of the simulation", k));
   }
   check_list(before.springs(), now.springs(), "springs", [](const Spring& a, const Spring& b) {
     return a.first == b.first && a.second == b.second && a.material == b.material && a.rest_length == b.rest_length;
@@ -59,7 +59,7 @@ void check_only_added(const Network& before, const Network& now) {
   check_list(before.cuts(), now.cuts(), "cuts", any);
   check_list(before.changes(), now.changes(), "changes", any);
   check_list(before.inputs(), now.inputs(), "inputs", any);
-  if (before.gravity() != now.gravity()) refuse("gravity was changed: use set_gravity of the simulation");
+  if (before.gravity() != now.gravity()) refuse_extension("gravity was changed: use set_gravity of the simulation");
 }
 
 // The nodes where they are now.

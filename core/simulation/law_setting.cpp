@@ -24,11 +24,11 @@ using layers::Law;
 using layers::Layout;
 using ValueChange = Layout::ValueChange;
 
-[[noreturn]] void refuse(const std::string& text) { throw Error(ErrorKind::input, text); }
+[[noreturn]] void refuse_change(const std::string& text) { throw Error(ErrorKind::input, text); }
 
 void check_count(std::size_t values, std::size_t members, std::string_view what) {
   if (values != 1 && values != members)
-    refuse(fmt::format("{} values for {} {}: give one for all, or one each", values, members, what));
+    refuse_change(fmt::format("{} values for {} {}: give one for all, or one each", values, members, what));
 }
 void check_count(const Members& members, std::size_t values, std::size_t count) {
   check_count(values, count, members.are_elements ? "elements" : "springs");
@@ -39,10 +39,10 @@ double one_of(const std::vector<double>& values, std::size_t i) { return values[
 [[noreturn]] void refuse_name(const std::string& whose, std::string_view what, std::string_view name,
                               const std::vector<std::string>& known) {
   const std::string nearest = suggestion(name, known);
-  refuse(fmt::format("{} has no {} '{}'; {}", whose, what, printable(std::string(name)),
-                     known.empty() ? fmt::format("it has no {}s", what)
-                                   : fmt::format("{}{}its {}s: {}", nearest, nearest.empty() ? "" : "; ", what,
-                                                 fmt::join(known, ", "))));
+  refuse_change(fmt::format("{} has no {} '{}'; {}", whose, what, printable(std::string(name)),
+                            known.empty() ? fmt::format("it has no {}s", what)
+                                          : fmt::format("{}{}its {}s: {}", nearest, nearest.empty() ? "" : "; ", what,
+                                                        fmt::join(known, ", "))));
 }
 
 // What of a law a name means.
@@ -54,7 +54,8 @@ struct Named {
 
 std::size_t law_index(ComponentKind kind) {
   if (kind != ComponentKind::spring_function && kind != ComponentKind::viscosity_function)
-    refuse(fmt::format("springs and elements have a spring function and a viscosity function, no {}", name_of(kind)));
+    refuse_change(
+        fmt::format("springs and elements have a spring function and a viscosity function, no {}", name_of(kind)));
   return kind == ComponentKind::spring_function ? 0 : 1;
 }
 
@@ -73,7 +74,7 @@ std::optional<Named> look_up(const Law& law, std::size_t index, const LawValue& 
 Named find_named(const Members& members, std::uint32_t member, const LawValue& value) {
   const std::size_t index = law_index(value.law);
   const Law& law = *members.group(member).laws()[index];
-  if (!law) refuse(fmt::format("{} has no {}", members.name(member), name_of(value.law)));
+  if (!law) refuse_change(fmt::format("{} has no {}", members.name(member), name_of(value.law)));
   if (const std::optional<Named> found = look_up(law, index, value)) return *found;
   std::vector<std::string> known;
   for (std::size_t k = 0; k < (value.is_input ? law.input_count : law.parameter_count); ++k)
@@ -159,8 +160,8 @@ void check_values(const Members& members, const std::vector<std::uint32_t>& list
     const std::string wrong = check_value(*named.declared, one_of(values, i));
     if (wrong.empty()) continue;
     const Law& law = *members.group(list[i]).laws()[named.law];
-    refuse(fmt::format("{}: '{}' of its {} '{}' {}", members.name(list[i]), named.declared->name,
-                       name_of(law.component->kind()), law.component->id(), wrong));
+    refuse_change(fmt::format("{}: '{}' of its {} '{}' {}", members.name(list[i]), named.declared->name,
+                              name_of(law.component->kind()), law.component->id(), wrong));
   }
 }
 
@@ -202,17 +203,18 @@ void check_references(const Members& members, const std::vector<std::uint32_t>& 
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double value = one_of(values, i);
     if (members.are_elements && reads_several(members.layout.elements().invariant(list[i])))
-      refuse(
+      refuse_change(
           fmt::format("{} ({}) has no reference of its own: its laws read several scalars of the nodes' positions "
                       "at rest, which stay as they are",
                       members.name(list[i]), name_of(members.layout.elements().invariant(list[i]))));
     if (!std::isfinite(value) || (!members.are_elements && value < 0.0))
-      refuse(fmt::format("{}: the {} must be {}, is {}", members.name(list[i]), what,
-                         members.are_elements ? "a finite number" : "0 m or more", value));
+      refuse_change(fmt::format("{}: the {} must be {}, is {}", members.name(list[i]), what,
+                                members.are_elements ? "a finite number" : "0 m or more", value));
     for (const Law* const law : members.group(list[i]).laws())
       if (law->can(SPRINGNET_DIVIDES_BY_REFERENCE) && !(value > 0.0))
-        refuse(fmt::format("{}: {} '{}' divides by the {}, which cannot be {}; give one above 0", members.name(list[i]),
-                           name_of(law->component->kind()), law->component->id(), what, value));
+        refuse_change(fmt::format("{}: {} '{}' divides by the {}, which cannot be {}; give one above 0",
+                                  members.name(list[i]), name_of(law->component->kind()), law->component->id(), what,
+                                  value));
   }
 }
 
@@ -231,7 +233,7 @@ void check_neurons(const Layout& layout, const std::vector<NodeIndex>& nodes, st
     const springnet_component& neuron = neuron_of(layout, nodes[i]);
     const std::size_t index = neuron_parameter_of(layout, nodes[i], parameter);
     if (const std::string wrong = check_value(*neuron.parameters[index], one_of(values, i)); !wrong.empty())
-      refuse(fmt::format("node {}: '{}' of its neuron '{}' {}", nodes[i], parameter, neuron.id, wrong));
+      refuse_change(fmt::format("node {}: '{}' of its neuron '{}' {}", nodes[i], parameter, neuron.id, wrong));
   }
 }
 
@@ -264,7 +266,8 @@ void check_masses(const std::vector<NodeIndex>& nodes, const std::vector<double>
   check_count(values.size(), nodes.size(), "nodes");
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (!(one_of(values, i) > 0.0 && std::isfinite(one_of(values, i))))
-      refuse(fmt::format("node {}: the mass must be a finite number above 0 kg, is {}", nodes[i], one_of(values, i)));
+      refuse_change(
+          fmt::format("node {}: the mass must be a finite number above 0 kg, is {}", nodes[i], one_of(values, i)));
 }
 
 void set_masses(Engine& engine, const std::vector<NodeIndex>& nodes, const std::vector<double>& values) {
@@ -280,7 +283,7 @@ void check_removal(const Engine& engine, const std::vector<NodeIndex>& nodes) {
     const std::uint32_t k = engine.model().layout.ordering().engine[node];
     for (const RigidConnections::Rod& rod : engine.model().rigid.rods())
       if (rod.first == k || rod.second == k)
-        refuse(
+        refuse_change(
             fmt::format("node {} has a rigid connection, which cannot be removed; fix the node in place of it", node));
   }
 }

@@ -21,7 +21,7 @@ constexpr double max_asymmetry = 0.05;
 constexpr double max_asymmetry_of_exact = 1e-3;
 // Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one. Factors of
 // solids fill up: there they take as long as many iterations.
-constexpr std::uint32_t patience = 100, max_iterations = 400;
+constexpr std::uint32_t patience = 100, max_solver_iterations = 400;
 constexpr std::size_t max_nodes_factorised = 3000;
 // From here on matrices are larger than the caches. Smaller nets are solved without one only if they are solids, for
 // which the preconditioner of the nodes' own blocks is good.
@@ -323,7 +323,7 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   std::uint64_t iterations_before = 0;
   if (prepared_ == Prepared::matrix_free) {
     kept_right_side_.assign(b, b + 3 * n);  // x may be that
-    answered(matrix_free_.solve(request.accuracy, max_iterations, b, request.x));
+    answered(matrix_free_.solve(request.accuracy, max_solver_iterations, b, request.x));
     if (request.outcome != SPRINGNET_STALLED || model_.deadline.has_passed()) return SPRINGNET_OK;
     matrix_free_stalled_ = true;
     iterations_before = request.iterations;
@@ -339,7 +339,7 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   const bool symmetric = !indefinite_ && system_.asymmetry() <= symmetric_share * request.accuracy;
   const auto solve = [&](bool by_conjugate_gradients) {
     return solver_.solve(system_, by_conjugate_gradients, request.accuracy,
-                         may_factorise && is_thin() ? patience : max_iterations, right_side_, solution_);
+                         may_factorise && is_thin() ? patience : max_solver_iterations, right_side_, solution_);
   };
   layers::SolveAnswer answer = solve(symmetric);
   if (answer.outcome == layers::SolveOutcome::truncated) {

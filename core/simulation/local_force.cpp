@@ -18,12 +18,12 @@ namespace springnet {
 namespace {
 
 // Of the linear systems: first ones, later ones for changes of friction, and what may be taken if there is no better.
-constexpr double accuracy = 1e-5, accuracy_of_corrections = 1e-3, enough = 1e-4;
+constexpr double accuracy_of_first = 1e-5, accuracy_of_corrections = 1e-3, enough = 1e-4;
 // Central differences: of positions, over the network's length scale; of the slip of a node with friction, over its
 // speed; and never so little, over the extent of the positions, that their rounding shows.
 constexpr double difference = 1e-8, slip_difference = 1e-3, rounding_difference = 1e-11;
 constexpr double friction_settles = 1e-4;  // change from iteration to iteration, relative
-constexpr int max_iterations = 20;         // for friction
+constexpr int max_friction_rounds = 20;    // for friction
 constexpr double slow = 0.7;               // of which a change may be of the one before
 
 Vector3 vector_of(const std::vector<double>& values, std::uint32_t node) {
@@ -108,12 +108,12 @@ LocalForceModel::Change LocalForceModel::change_along(const Handle& handle, doub
     extra[f] = -friction_[f].by_velocity * speed;
     add_force(right_side, friction_[f].node, extra[f], step);
   }
-  add_solution(right_side, accuracy, step, velocity);
+  add_solution(right_side, accuracy_of_first, step, velocity);
   Vector3 change = this->change(handle, step, speed, velocity, friction);
   const Vector3 at_present_pressure = change;
   if (friction_.empty()) return {change, at_present_pressure, true};
   double share = 1.0, distance = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < max_iterations; ++i) {
+  for (int i = 0; i < max_friction_rounds; ++i) {
     std::fill(right_side.begin(), right_side.end(), 0.0);
     for (std::size_t f = 0; f < friction_.size(); ++f) {
       const Vector3 wanted = friction[f] + friction_[f].without_reaction(vector_of(velocity, friction_[f].node), step);

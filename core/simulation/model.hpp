@@ -27,6 +27,8 @@ struct Scales {
   // reaches over `length`
   double velocity = 1.0;
   double force = 1.0;  // N: greatest weight, load or net force of a node, or m v^2 / length
+  // Smaller forces, in units of `force`, are rounding, for example those of a node just released, and decide nothing.
+  static constexpr double min_force = 1e-9;
 };
 
 struct Model {

@@ -175,12 +175,12 @@ void add_external(Model& model, const At& at, std::uint32_t parts, const springn
 
 // ---- one spring or element after another
 
-struct Answer {
+struct PartAnswer {
   double force[2], by_q[2], by_rate[2];
 };
 
 // Fills what is wanted of member i of the view from the answers of its two laws.
-void put(const springnet_element_view& view, std::size_t i, const layers::Group& group, const Answer& answer) {
+void put(const springnet_element_view& view, std::size_t i, const layers::Group& group, const PartAnswer& answer) {
   const auto laws = group.laws();
   std::uint32_t relative = 0;
   for (std::size_t k = 0; k < laws.size(); ++k) {

@@ -10,10 +10,12 @@
 
 #include <springnet/error.hpp>
 
+#include "constraints/cluster.hpp"
+
 namespace springnet {
 namespace {
 
-constexpr std::uint32_t in_no_set = 0xffffffffu, no_cluster = 0xffffffffu;
+constexpr std::uint32_t in_no_set = 0xffffffffu;
 
 // Sizes of the structs in ABI 2.0; an integrator compiled against it gives no more.
 constexpr std::size_t evaluation_size = SPRINGNET_SIZE_TO(springnet_evaluation, free_acceleration);

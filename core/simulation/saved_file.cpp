@@ -20,27 +20,28 @@ namespace {
 // Bytes. Longer ones are of no simulation that fits into memory.
 constexpr std::uint64_t longest_identity = 1 << 20;
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
+[[noreturn]] void refuse_file(const std::filesystem::path& file, const std::string& what) {
   throw Error(ErrorKind::input, fmt::format("{}: {}", file.string(), what));
 }
 
 // The file that is to be replaced: a link stays, what it leads to is written.
 std::filesystem::path target_of(const std::filesystem::path& file) {
-  if (!file.has_filename()) refuse(file, "the state cannot be saved: this names a folder; add the name of a file");
+  if (!file.has_filename()) refuse_file(file, "the state cannot be saved: this names a folder; add the name of a file");
   std::error_code failed;
   std::filesystem::path target = file;
   constexpr int most_links = 40;  // as the system follows
   for (int links = 0; std::filesystem::is_symlink(std::filesystem::symlink_status(target, failed)); ++links) {
     const std::filesystem::path next = std::filesystem::read_symlink(target, failed);
     if (failed || links == most_links)
-      refuse(file, "the state cannot be saved: this link leads nowhere; remove it, or name another file");
+      refuse_file(file, "the state cannot be saved: this link leads nowhere; remove it, or name another file");
     target = target.parent_path() / next;  // an absolute one replaces it
   }
   const std::filesystem::file_status status = std::filesystem::status(target, failed);
   if (std::filesystem::is_directory(status))
-    refuse(file, "the state cannot be saved: a folder has this name; name another file");
+    refuse_file(file, "the state cannot be saved: a folder has this name; name another file");
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    refuse(file, "the state cannot be saved: this is a device or a pipe, which cannot be replaced; name another file");
+    refuse_file(file,
+                "the state cannot be saved: this is a device or a pipe, which cannot be replaced; name another file");
   return target;
 }
 
@@ -82,7 +83,7 @@ void Simulation::restore_from(const std::filesystem::path& file) {
     const std::string text = error.what();
     throw Error(error.kind(), text.starts_with(name) ? text : name + text);
   } catch (const std::bad_alloc&) {
-    refuse(file, "this state is too large for the memory of this machine");
+    refuse_file(file, "this state is too large for the memory of this machine");
   }
 }
 

@@ -26,8 +26,6 @@ constexpr double min_rebound = 1e-4;
 constexpr double steps_of_fall = 2.0;
 // In the same units. Integration errors decide whether slower touches happen.
 constexpr double grazing = 1e-4;
-// Smaller forces, in units of the force scale, are rounding, for example those of a node just released.
-constexpr double min_force = 1e-9;
 constexpr int max_jams = 20;
 constexpr double caught = 0.01;  // of the speed with which obstacles approached a body
 // `many_touches` of a node, each within `soon` (in units of the time to move the length scale) of the one before, show
@@ -392,7 +390,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     double forces = 0.0;
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
-    const double negligible = min_force * model_.scales.force + 1e-12 * forces;
+    const double negligible = Scales::min_force * model_.scales.force + 1e-12 * forces;
     if (island.resolve(negligible)) break;
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     struck = jams < max_jams && island.jam(10.0 * no_speed_);
@@ -414,7 +412,7 @@ springnet_status Settling::settle(std::uint32_t node) {
   for (std::size_t i = 0; i < island.nodes().size(); ++i) commit_contact(island.nodes()[i], came[i]);
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& each = island.nodes()[i];
-    find_phase(each, island.acceleration(i), min_force * model_.scales.force / model_.mass[each.node]);
+    find_phase(each, island.acceleration(i), Scales::min_force * model_.scales.force / model_.mass[each.node]);
   }
   return SPRINGNET_OK;
 }

@@ -8,14 +8,13 @@
 
 #include <springnet/sdk/message.hpp>
 
+#include "constraints/cluster.hpp"
 #include "constraints/vectors.hpp"
 #include "profile/stage.hpp"
 #include "simulation/sweep_tiles.hpp"
 
 namespace springnet {
 namespace {
-
-constexpr std::uint32_t no_cluster = 0xffffffffu;
 
 bool all_finite(const layers::NodeDerivatives& derivatives) noexcept {
   const auto is_finite = [](double value) { return std::isfinite(value); };

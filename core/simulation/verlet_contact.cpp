@@ -13,8 +13,6 @@
 namespace springnet {
 namespace {
 
-// Smaller forces, in units of the force scale, are rounding.
-constexpr double min_force = 1e-9;
 constexpr int max_impact_rounds = 100;  // rounds of impulses that depend on each other
 
 }  // namespace
@@ -49,7 +47,7 @@ Eigen::MatrixXd VerletContact::mobility(const Body& body, const std::optional<Ro
 
 double VerletContact::negligible(const Body& body) const {
   // The rounding of positions and velocities, as a force.
-  double force = min_force * model_.scales.force;
+  double force = Scales::min_force * model_.scales.force;
   for (const Member& m : body.members) {
     const double place = m.position.cwiseAbs().maxCoeff() / h_, speed = m.velocity.cwiseAbs().maxCoeff();
     force = std::max(force, 16.0 * std::numeric_limits<double>::epsilon() * model_.mass[m.node] * (place + speed) / h_);

@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/cluster.hpp"
 #include "constraints/path_minimum.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
 namespace {
 
-constexpr std::uint32_t no_cluster = 0xffffffffu;
-constexpr int max_iterations = 40;  // rounds of contacts and positions that depend on each other
-constexpr int max_failures = 3;     // to find forces, within a step
-constexpr int max_bounces = 1000;   // of a node, within a step
-constexpr int max_rounds = 4;       // of positions that bring more obstacles with them
-constexpr double accuracy = 1e-14;  // of positions, in units of their coordinates and the path
+constexpr int max_drift_turns = 40;       // rounds of contacts and positions that depend on each other
+constexpr int max_failures = 3;           // to find forces, within a step
+constexpr int max_bounces = 1000;         // of a node, within a step
+constexpr int max_rounds = 4;             // of positions that bring more obstacles with them
+constexpr double drift_accuracy = 1e-14;  // of positions, in units of their coordinates and the path
 
 }  // namespace
 
@@ -115,7 +115,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
   int failures = 0;
   for (const Member& m : body.members)
     size = std::max(size, m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
-  for (int turn = 0; turn < max_iterations; ++turn) {
+  for (int turn = 0; turn < max_drift_turns; ++turn) {
     double off = 0.0;
     bool again = turn == 0;
     for (std::size_t i = 0; i < body.touchers.size(); ++i) {
@@ -141,7 +141,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
       node.sticks = true;
       again = true;
     }
-    if (!again && off <= accuracy * size) break;
+    if (!again && off <= drift_accuracy * size) break;
     if (!island.resolve(negligible(body), false)) {
       // No finite force fits, or none was found: take an impulse over the step.
       if (++failures > max_failures) break;
@@ -185,7 +185,7 @@ bool VerletContact::reaches(const Member& m, std::size_t surface) const {
   if (contact_.gap(*at_, surface, m.position) < 0.0) return true;
   const Obstacle& obstacle = contact_.obstacles()[surface];
   if (obstacle.is_flat()) return true;
-  const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
+  const double rounding = drift_accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
   return minimum_on_path(gap, -rounding, 40).value < -rounding;
 }
 
@@ -203,7 +203,7 @@ bool VerletContact::meet(Body& body) {
     // A surface that is flush with one in contact already adds nothing.
     const auto is_flush = [&](std::size_t surface) {
       constexpr double flush = 1e-12;
-      const double rounding = accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
+      const double rounding = drift_accuracy * (m.start.cwiseAbs().maxCoeff() + (m.position - m.start).norm());
       if (known == body.touchers.end() || contact_.gap(*at_, surface, m.position) < -rounding) return false;
       const Vector3 n = contact_.normal(*at_, surface, m.position);
       return std::any_of(known->sides.begin(), known->sides.end(), [&](const Side& side) {

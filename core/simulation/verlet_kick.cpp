@@ -10,7 +10,7 @@
 namespace springnet {
 namespace {
 
-constexpr int max_iterations = 40;  // rounds of friction and the slip that it acts against
+constexpr int max_kick_turns = 40;  // rounds of friction and the slip that it acts against
 
 }  // namespace
 
@@ -95,7 +95,7 @@ springnet_status VerletContact::kick(Body& body, const springnet_vectors& positi
   } else {
     std::vector<std::uint8_t> turned(body.touchers.size(), 0);
     bool again = true;
-    for (int turn = 0; turn < max_iterations && again; ++turn) {
+    for (int turn = 0; turn < max_kick_turns && again; ++turn) {
       again = false;
       if (!island.resolve(negligible(body), false)) {
         hit();

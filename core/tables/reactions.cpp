@@ -14,7 +14,7 @@ Table reactions();
 
 namespace {
 
-RowCount count_rows(const Network& network, const OutputOptions& options) {
+RowCount count_reaction_rows(const Network& network, const OutputOptions& options) {
   const std::vector<NodeIndex> nodes = chosen_or_all(options.nodes, network.nodes().size());
   // Any node may come to rest on a surface, and be in contact with this many at once.
   constexpr std::size_t max_surfaces = 3;
@@ -28,9 +28,9 @@ RowCount count_rows(const Network& network, const OutputOptions& options) {
   return {rows, static_cast<double>(network.nodes().size()), rows * std::accumulate(labels.begin(), labels.end(), 0.0)};
 }
 
-class Rows {
+class ReactionRows {
  public:
-  Rows(const Network& network, const OutputOptions& options)
+  ReactionRows(const Network& network, const OutputOptions& options)
       : nodes_(chosen_or_all(options.nodes, network.nodes().size())), impulses_(nodes_.size(), Vector3::Zero()) {
     fixed_.reserve(nodes_.size());
     for (const NodeIndex node : nodes_) fixed_.push_back(network.nodes()[node].fixed);
@@ -75,9 +75,9 @@ Table reactions() {
             Columns::Cell::text}},
       .wanted = [](const Network&, const OutputOptions& options) { return options.reactions; },
       .leave_out_hint = "leave out {} (output.reactions = false)",
-      .rows = count_rows,
+      .rows = count_reaction_rows,
       .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
-        const auto rows = std::make_shared<Rows>(network, options);
+        const auto rows = std::make_shared<ReactionRows>(network, options);
         return {[rows](const Record& record, TableFile& file) { (*rows)(record, file); },
                 [rows](Archive& archive) { rows->archive(archive); }};
       },

@@ -30,7 +30,7 @@ std::vector<RowCount> rows_of_materials(const Network& network, const OutputOpti
   return rows;
 }
 
-RowCount count_rows(const Network& network, const OutputOptions& options) {
+RowCount count_state_rows(const Network& network, const OutputOptions& options) {
   RowCount sum{0.0, static_cast<double>(std::max(network.springs().size(), network.elements().size()))};
   if (options.law_states.empty()) sum.rows = std::numeric_limits<double>::quiet_NaN();
   const auto add = [&](const auto& all, const std::vector<std::uint32_t>& numbers, std::string_view kind) {
@@ -47,9 +47,9 @@ RowCount count_rows(const Network& network, const OutputOptions& options) {
 }
 
 // Springs and elements whose laws have states, by their numbers; found at the first record.
-class Rows {
+class StateRows {
  public:
-  Rows(const Network& network, const OutputOptions& options)
+  StateRows(const Network& network, const OutputOptions& options)
       : springs_(chosen_or_all(options.springs, network.springs().size())) {
     if (options.elements) elements_ = chosen_or_all(options.element_numbers, network.elements().size());
   }
@@ -98,9 +98,9 @@ Table states() {
                   {{"value"}, "", "in its unit; of a removed spring or element, as it was last"}},
       .wanted = [](const Network&, const OutputOptions& options) { return options.states; },
       .leave_out_hint = "leave out {} (output.states = false, or output.springs for some)",
-      .rows = count_rows,
+      .rows = count_state_rows,
       .writer = [](const Network& network, const OutputOptions& options) -> RowWriter {
-        return Rows(network, options);
+        return StateRows(network, options);
       },
   };
 }

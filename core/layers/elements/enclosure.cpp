@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "layers/node_vectors.hpp"
+
 namespace springnet::layers {
 namespace {
-
-Vector3 position(const NodeArrays& nodes, std::uint32_t k) { return {nodes.px[k], nodes.py[k], nodes.pz[k]}; }
-Vector3 velocity(const NodeArrays& nodes, std::uint32_t k) { return {nodes.vx[k], nodes.vy[k], nodes.vz[k]}; }
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
 
@@ -50,37 +49,38 @@ bool Enclosure::has_side(std::uint32_t first, std::uint32_t second) const noexce
 // 1/6 sum (b - o) x (c - o) over the ring of neighbours, with one of them as the origin o.
 Vector3 Enclosure::gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
   const std::span<const Spoke> around = spokes(place);
-  const Vector3 origin = position(nodes, around[0].other);
+  const Vector3 origin = position_of(nodes, around[0].other);
   Vector3 sum = Vector3::Zero();
-  for (const Spoke& s : around) sum += (position(nodes, s.other) - origin).cross(position(nodes, s.left) - origin);
+  for (const Spoke& s : around)
+    sum += (position_of(nodes, s.other) - origin).cross(position_of(nodes, s.left) - origin);
   return sum / 6.0;
 }
 
 Vector3 Enclosure::rate_gradient(std::size_t place, const NodeArrays& nodes) const noexcept {
   const std::span<const Spoke> around = spokes(place);
-  const Vector3 origin = position(nodes, around[0].other), moving = velocity(nodes, around[0].other);
+  const Vector3 origin = position_of(nodes, around[0].other), moving = velocity_of(nodes, around[0].other);
   Vector3 sum = Vector3::Zero();
   for (const Spoke& s : around) {
-    sum += (velocity(nodes, s.other) - moving).cross(position(nodes, s.left) - origin);
-    sum += (position(nodes, s.other) - origin).cross(velocity(nodes, s.left) - moving);
+    sum += (velocity_of(nodes, s.other) - moving).cross(position_of(nodes, s.left) - origin);
+    sum += (position_of(nodes, s.other) - origin).cross(velocity_of(nodes, s.left) - moving);
   }
   return sum / 6.0;
 }
 
 // V has the terms a . (b x c) / 6 + b . (a x d) / 6; their derivative with respect to a and b is [d - c]x / 6.
 Vector3 Enclosure::across(const Spoke& spoke, const NodeArrays& nodes) noexcept {
-  return (position(nodes, spoke.right) - position(nodes, spoke.left)) / 6.0;
+  return (position_of(nodes, spoke.right) - position_of(nodes, spoke.left)) / 6.0;
 }
 
 Enclosure::Values Enclosure::partial_values(std::size_t begin, std::size_t end, const NodeArrays& nodes,
                                             Vector3* gradients) const noexcept {
-  const Vector3 origin = position(nodes, nodes_[0]), moving = velocity(nodes, nodes_[0]);
+  const Vector3 origin = position_of(nodes, nodes_[0]), moving = velocity_of(nodes, nodes_[0]);
   Values sum;
   for (std::size_t place = begin; place < end; ++place) {
     const Vector3 g = gradient(place, nodes);
     if (gradients != nullptr) gradients[place] = g;
-    sum.volume += g.dot(position(nodes, nodes_[place]) - origin);
-    sum.rate += g.dot(velocity(nodes, nodes_[place]) - moving);
+    sum.volume += g.dot(position_of(nodes, nodes_[place]) - origin);
+    sum.rate += g.dot(velocity_of(nodes, nodes_[place]) - moving);
   }
   sum.volume /= 3.0;
   return sum;

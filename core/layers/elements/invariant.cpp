@@ -13,7 +13,7 @@ namespace {
 // Below this sine an angle counts as straight: its Hessian has lost half of its digits.
 constexpr double min_sine = 1e-7;
 // Transverse motion of a straight angle below this fraction of its nodes' motion counts as none.
-constexpr double rounding = 1e-13;
+constexpr double rounding_of_speed = 1e-13;
 
 template <class T>
 void gradients_at(Invariant invariant, const Triple<T>* p, Triple<T>* g) {
@@ -150,7 +150,7 @@ void straighten(const Corners& corners, FirstOrder& out) noexcept {
     size += bent.row[0][i].norm() * motion.norm();
   }
   const double speed = rate.norm();
-  if (!(speed > rounding * size)) return;
+  if (!(speed > rounding_of_speed * size)) return;
   const double away = out.value > 1.0 ? -1.0 : 1.0;  // from pi, from 0
   for (std::size_t i = 0; i < 3; ++i)
     out.gradient[i] = away / speed * (rate[0] * bent.row[0][i] + rate[1] * bent.row[1][i]);

@@ -9,17 +9,17 @@
 namespace springnet::layers {
 namespace {
 
-constexpr std::size_t chunk = 16;
+constexpr std::size_t element_chunk = 16;
 
 // Elements of one group and invariant, or enclosures of one group, seen from a node.
 struct Seen {
-  double q[chunk], rate[chunk];
-  Vector3 gradient[chunk];       // dq/dp of the node
-  Vector3 rate_gradient[chunk];  // dq'/dp, of an enclosure
-  BatchGeometry geometry;        // of elements of three or four nodes
-  std::uint32_t corner[max_corners][chunk];
-  std::uint32_t rows[chunk];
-  std::uint32_t places[chunk];  // of internal states; written if there are any
+  double q[element_chunk], rate[element_chunk];
+  Vector3 gradient[element_chunk];       // dq/dp of the node
+  Vector3 rate_gradient[element_chunk];  // dq'/dp, of an enclosure
+  BatchGeometry geometry;                // of elements of three or four nodes
+  std::uint32_t corner[max_corners][element_chunk];
+  std::uint32_t rows[element_chunk];
+  std::uint32_t places[element_chunk];  // of internal states; written if there are any
 
   void read_enclosures(const ElementLayout& elements, std::span<const ElementShare> shares, std::uint32_t node,
                        const NodeArrays& nodes, const EnclosureVolumes* volumes) {
@@ -60,14 +60,14 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
   const profile::Part part("elements");
   const bool blocks = sums.stiffness != nullptr;
   Seen seen;  // not initialised: written before it is read
-  PairAnswers<chunk> answers;
+  PairAnswers<element_chunk> answers;
   const PairOutputs out = answers.outputs(blocks, sums.energy != nullptr);
   for (std::size_t begin = 0; begin < shares.size();) {
     const ElementShare& first = shares[begin];
     const Invariant invariant = elements.invariant(first.element);
     const bool enclosures = first.enclosure != no_enclosure;
     std::size_t end = begin + 1;
-    while (end < shares.size() && end - begin < chunk && shares[end].group == first.group &&
+    while (end < shares.size() && end - begin < element_chunk && shares[end].group == first.group &&
            elements.invariant(shares[end].element) == invariant)
       ++end;
     const std::size_t count = end - begin;
@@ -84,7 +84,7 @@ springnet_status Evaluator::add_elements_of(std::uint32_t node, double time, con
     if (enclosures) {
       seen.read_enclosures(elements, shares.subspan(begin, count), node, nodes, volumes);
     } else {
-      double reference[chunk];
+      double reference[element_chunk];
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t e = shares[begin + i].element;
         const std::span<const std::uint32_t> own = elements.nodes(e);

@@ -3,14 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "layers/block.hpp"
+
 namespace springnet::layers {
-namespace {
-
-// Mass times da/dF of a point mass, up to rounding.
-constexpr double rounding = 1e-12;
-
-}  // namespace
-
 std::uint32_t BlockSystem::find(std::uint32_t row, std::uint32_t column) const noexcept {
   const auto first = column_.begin() + start_[row], last = column_.begin() + start_[row + 1];
   return static_cast<std::uint32_t>(std::lower_bound(first, last, column) - column_.begin());
@@ -102,7 +97,7 @@ void BlockSystem::assemble_row(std::uint32_t k, const Linearisation& derivatives
     }
   }
   const Block by_force = m * derivatives.by_force(k);
-  if (!((by_force - Block::Identity()).cwiseAbs().maxCoeff() <= rounding)) {
+  if (!((by_force - Block::Identity()).cwiseAbs().maxCoeff() <= point_mass_rounding)) {
     for (std::uint32_t b = start_[k]; b < start_[k + 1]; ++b) block(b) = Columns(by_force * block(b));
     own = by_force * own;
   }
@@ -127,7 +122,7 @@ void BlockSystem::set_enclosures(const Linearisation& derivatives, const SystemW
         if (constrained_[node] != 0) return;
         RankOne& term = enclosures_[index[enclosure]];
         const Block by_force = mass_[node] * derivatives.by_force(node);
-        const bool plain = (by_force - Block::Identity()).cwiseAbs().maxCoeff() <= rounding;
+        const bool plain = (by_force - Block::Identity()).cwiseAbs().maxCoeff() <= point_mass_rounding;
         term.nodes.push_back(node);
         term.g.push_back(plain ? gradient : Vector3(by_force * gradient));
         term.w.push_back(weight);

@@ -4,7 +4,7 @@ namespace springnet::layers {
 namespace {
 
 // Relative threshold of pivots; entries are sums of terms up to 1.
-constexpr double rounding = 1e-14;
+constexpr double rounding_of_sums = 1e-14;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ const LowRank::Small& LowRank::small(bool transposed, const Solve& solve_a) {
   size = result.row.asDiagonal() * size;
   result.column = size.colwise().maxCoeff().transpose().cwiseInverse();
   matrix = result.row.asDiagonal() * matrix * result.column.asDiagonal();
-  result.factors.setThreshold(rounding);
+  result.factors.setThreshold(rounding_of_sums);
   result.factors.compute(matrix);
   known_[which] = true;
   return result;

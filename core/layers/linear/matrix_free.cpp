@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "layers/block.hpp"
 #include "layers/law_pair.hpp"
 #include "layers/springs/blocks.hpp"
 
@@ -19,9 +20,7 @@ namespace {
 constexpr std::size_t min_nodes = 300;
 constexpr std::size_t nodes_of_part = 256;
 // Springs from which on threads pay off.
-constexpr std::size_t springs_worth_threads = 8000;
-// Mass times da/dF of a point mass, up to rounding.
-constexpr double rounding = 1e-12;
+constexpr std::size_t multiplied_in_parallel = 8000;
 // In the unit of mass, so that products of numbers are finite in single precision, too.
 constexpr double greatest = 1e18, max_mass_ratio = 1e12;
 // Accuracy that single precision reaches in one go, and the reduction that refinement must bring.
@@ -195,10 +194,11 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
     const double m = mass_[k] / unit_;
     Block own = Block::Identity();  // of nodes that do not move
     if (constrained_[k] == 0) {
-      if (!((mass_[k] * Map(&by_force_[9 * k]) - Block::Identity()).cwiseAbs().maxCoeff() <= rounding)) return false;
+      if (!((mass_[k] * Map(&by_force_[9 * k]) - Block::Identity()).cwiseAbs().maxCoeff() <= point_mass_rounding))
+        return false;
       const Block drag =
           -m * (weights.velocity * Map(&by_velocity_[9 * k]) + weights.position * Map(&by_position_[9 * k]));
-      if (!drag.allFinite() || !drag.isApprox(drag.transpose(), rounding)) return false;
+      if (!drag.allFinite() || !drag.isApprox(drag.transpose(), point_mass_rounding)) return false;
       own = m * (1.0 + weights.shift) * Block::Identity() + 0.5 * (drag + drag.transpose());
     }
     if (!(own.cwiseAbs().maxCoeff() <= greatest)) return false;
@@ -307,7 +307,7 @@ SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, con
     const SolveAnswer own = solve(team, accuracy, max_iterations, b);
     if (me == 0) answer = own;
   };
-  const unsigned threads = layout_.live_count() >= springs_worth_threads ? evaluator_.threads() : 1;
+  const unsigned threads = layout_.live_count() >= multiplied_in_parallel ? evaluator_.threads() : 1;
   if (threads <= 1) {
     run(1, 0);
   } else {

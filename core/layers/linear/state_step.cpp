@@ -12,6 +12,7 @@
 
 #include "layers/elements/queries.hpp"
 #include "layers/internal_members.hpp"
+#include "layers/node_vectors.hpp"
 #include "layers/springs/queries.hpp"
 #include "plugin_host/call.hpp"
 
@@ -23,14 +24,11 @@ struct Gradient {
   Vector3 q_by_p = Vector3::Zero(), q_by_v = Vector3::Zero(), u_by_p = Vector3::Zero(), u_by_v = Vector3::Zero();
 };
 
-Vector3 position(const NodeArrays& nodes, std::uint32_t k) { return {nodes.px[k], nodes.py[k], nodes.pz[k]}; }
-Vector3 velocity(const NodeArrays& nodes, std::uint32_t k) { return {nodes.vx[k], nodes.vy[k], nodes.vz[k]}; }
-
 // Calls use(node, gradient). Where an invariant has no gradient it is zero.
 template <class Use>
 void for_each_node(const Layout& layout, const NodeArrays& nodes, bool relative, std::uint32_t spring, const Use& use) {
   const std::uint32_t a = layout.first(spring), b = layout.second(spring);
-  const Vector3 dp = position(nodes, a) - position(nodes, b), dv = velocity(nodes, a) - velocity(nodes, b);
+  const Vector3 dp = position_of(nodes, a) - position_of(nodes, b), dv = velocity_of(nodes, a) - velocity_of(nodes, b);
   const double length = dp.norm(), speed = dv.norm();
   Gradient own;
   if (relative && speed > 0.0) own.q_by_v = dv / speed;

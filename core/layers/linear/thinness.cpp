@@ -7,12 +7,12 @@ namespace springnet::layers {
 namespace {
 
 // Up to this many nodes a factorisation costs little.
-constexpr std::uint32_t small_net = 256;
+constexpr std::uint32_t nodes_of_small_net = 256;
 
 // Breadth-first searches over the parts of a net.
-class Search {
+class BreadthSearch {
  public:
-  Search(const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& column)
+  BreadthSearch(const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& column)
       : start_(start), column_(column), pass_(start.size() - 1, 0) {}
 
   [[nodiscard]] bool reached(std::uint32_t node) const { return pass_[node] != 0; }
@@ -53,8 +53,8 @@ class Search {
 
 bool is_thin(const Layout& layout) {
   const std::uint32_t n = layout.node_count();
-  if (n <= small_net) return true;
-  Search search(layout.neighbour_start(), layout.neighbours());
+  if (n <= nodes_of_small_net) return true;
+  BreadthSearch search(layout.neighbour_start(), layout.neighbours());
   std::size_t in_thin_parts = 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     if (search.reached(k)) continue;

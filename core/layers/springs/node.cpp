@@ -12,15 +12,13 @@
 namespace springnet::layers {
 namespace {
 
-constexpr std::size_t chunk = node_chunk;
-
 // Geometry of springs of one node; the same formulas as the kernels'.
 struct NodeGeometry {
-  double length[chunk], rate[chunk], nx[chunk], ny[chunk], nz[chunk];
-  double speed[chunk], sx[chunk], sy[chunk], sz[chunk];
-  double vx[chunk], vy[chunk], vz[chunk];  // relative velocity, m/s
-  std::uint32_t rows[chunk];
-  std::uint32_t places[chunk];  // of internal states; written if there are any
+  double length[node_chunk], rate[node_chunk], nx[node_chunk], ny[node_chunk], nz[node_chunk];
+  double speed[node_chunk], sx[node_chunk], sy[node_chunk], sz[node_chunk];
+  double vx[node_chunk], vy[node_chunk], vz[node_chunk];  // relative velocity, m/s
+  std::uint32_t rows[node_chunk];
+  std::uint32_t places[node_chunk];  // of internal states; written if there are any
 };
 
 void read(const Incident* springs, std::size_t count, std::uint32_t k, const NodeArrays& n, bool axial, bool relative,
@@ -55,8 +53,8 @@ void read(const Incident* springs, std::size_t count, std::uint32_t k, const Nod
 
 // The sum of SpringBlocks for laws that are axial, in components: with a = T / l,
 //   K = sum n ((T' - a) n + T_u (dv - u n) / l)^T + a I,   D = sum T_u n n^T
-void add_axial_blocks(const NodeGeometry& g, std::size_t count, const Group& group, const PairAnswers<chunk>& answers,
-                      Block& stiffness, Block& damping) {
+void add_axial_blocks(const NodeGeometry& g, std::size_t count, const Group& group,
+                      const PairAnswers<node_chunk>& answers, Block& stiffness, Block& damping) {
   double k[9] = {}, d[6] = {}, along = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const double x = g.nx[i], y = g.ny[i], z = g.nz[i];
@@ -91,12 +89,12 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
   const profile::Part part("springs");
   const bool blocks = sums.stiffness != nullptr;
   NodeGeometry geometry;
-  PairAnswers<chunk> answers;
+  PairAnswers<node_chunk> answers;
   const PairOutputs out = answers.outputs(blocks, sums.energy != nullptr);
   const Incident* end = layout_.incident_end(node);
   for (const Incident* begin = layout_.incident_begin(node); begin != end;) {
     const Incident* stop = begin + 1;
-    while (stop != end && stop->group == begin->group && static_cast<std::size_t>(stop - begin) < chunk) ++stop;
+    while (stop != end && stop->group == begin->group && static_cast<std::size_t>(stop - begin) < node_chunk) ++stop;
     const auto count = static_cast<std::size_t>(stop - begin);
     const Group& group = layout_.laws().groups[begin->group];
     const bool relative = group.spring.relative || group.viscosity.relative;
@@ -123,7 +121,7 @@ springnet_status Evaluator::add_springs_of(std::uint32_t node, double time, cons
     const auto subtract = [&](const double* tension, const double* x, const double* y, const double* z) {
       subtract_springs(0, count, tension, x, y, z, sums.force[0], sums.force[1], sums.force[2]);
     };
-    alignas(64) double tension[chunk];
+    alignas(64) double tension[node_chunk];
     if (group.spring) std::copy_n(answers.force[0], count, tension);
     if (const double* const forces = sum_of_laws(group, false, tension, answers.force[1], count))
       subtract(forces, g.nx, g.ny, g.nz);

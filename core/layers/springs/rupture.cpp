@@ -14,7 +14,7 @@
 namespace springnet::layers {
 namespace {
 
-struct Search {
+struct RuptureSearch {
   const Layout& layout;
   InstructionSet set;
   double time;
@@ -22,7 +22,7 @@ struct Search {
 };
 
 // What the laws of a segment's springs read.
-void find_geometry(const Search& search, const Unit& unit, const Segment& segment, const Group& group,
+void find_geometry(const RuptureSearch& search, const Unit& unit, const Segment& segment, const Group& group,
                    SegmentGeometry& geometry) {
   const Kernels& kernels = kernels_for(search.set);
   const SegmentSprings springs = unit.springs_of(segment);
@@ -44,7 +44,7 @@ void find_geometry(const Search& search, const Unit& unit, const Segment& segmen
   }
 }
 
-springnet_status find_in_segment(const Search& search, std::uint32_t index, const Segment& segment,
+springnet_status find_in_segment(const RuptureSearch& search, std::uint32_t index, const Segment& segment,
                                  SegmentGeometry& geometry, std::vector<std::uint32_t>& broken,
                                  springnet_message& message) {
   const Unit& unit = search.layout.units()[index];
@@ -93,7 +93,7 @@ bool can_rupture(const Layout& layout) noexcept {
 springnet_status broken_springs(const Layout& layout, InstructionSet set, unsigned threads, double time,
                                 const NodeArrays& nodes, std::vector<std::uint32_t>& broken,
                                 springnet_message& message) {
-  const Search search{layout, set, time, nodes};
+  const RuptureSearch search{layout, set, time, nodes};
   const auto units = static_cast<std::int64_t>(layout.units().size());
   std::int64_t failed_unit = units;
   springnet_status failure = SPRINGNET_OK;
