@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "learning/outlier.hpp"
+
 namespace springnet::learning {
 
 using Eigen::Matrix3Xd;
@@ -9,7 +11,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 ObservedMotion::ObservedMotion(const Observations& observations, const std::vector<double>& state_times,
-                               ObservedNet& net) {
+                               ObservedNet& net)
+    : outlier_distance_(observations.outlier_distance) {
   of_state_.resize(state_times.size());
   for (const bool rate : {false, true})
     for (const Observations::VectorRow& each : rate ? observations.velocities : observations.positions)
@@ -20,10 +23,20 @@ ObservedMotion::ObservedMotion(const Observations& observations, const std::vect
            each.value,
            each.weight.cwiseSqrt(),
            {},
-           0});
+           0,
+           !rate,
+           {}});
   for (const Observations::DistanceRow& each : observations.distances)
-    add({true, each.node, each.other, between_states(state_times, each.time, false), Vector3(each.distance, 0, 0),
-         Vector3(std::sqrt(each.weight), 0, 0), Vector3::Zero(), 0});
+    add({true,
+         each.node,
+         each.other,
+         between_states(state_times, each.time, false),
+         Vector3(each.distance, 0, 0),
+         Vector3(std::sqrt(each.weight), 0, 0),
+         Vector3::Zero(),
+         0,
+         false,
+         {}});
   if (!observations.surface_points.empty()) surface_.emplace(net.surface(), observations, state_times);
   if (!observations.reactions.empty()) reactions_.emplace(net.reactions(), observations, state_times);
 }
@@ -70,7 +83,7 @@ void ObservedMotion::residuals(const MotionDerivatives& motion, const VectorXd& 
                        row.at.v[1] * v[1].col(node));
       };
       if (!row.is_distance) {
-        out.segment<3>(row.first) = row.root_weight.cwiseProduct(vector_of(row.node) - row.observed);
+        set_residual(row, vector_of(row.node), out.segment<3>(row.first));
         continue;
       }
       const Vector3 way = vector_of(row.node) - vector_of(row.other);
@@ -79,6 +92,18 @@ void ObservedMotion::residuals(const MotionDerivatives& motion, const VectorXd& 
       out[row.first] = row.root_weight[0] * (distance - row.observed[0]);
     }
   }
+}
+
+void ObservedMotion::set_residual(Row& row, const Vector3& simulated, Eigen::Ref<VectorXd> out) const {
+  Vector3 way = simulated - row.observed;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (row.root_weight[axis] == 0.0) way[axis] = 0.0;  // not observed
+  out = row.root_weight.cwiseProduct(way);
+  row.by_vector = row.root_weight.asDiagonal();
+  if (!row.may_be_outlier || !(way.norm() > outlier_distance_)) return;
+  const Outlier outlier(way, outlier_distance_);
+  out *= outlier.share;
+  row.by_vector = row.by_vector * outlier.by_way;
 }
 
 void ObservedMotion::add_tangent(const MotionDerivatives& motion, std::size_t state, const Tangents& changes,
@@ -113,7 +138,7 @@ void ObservedMotion::add_tangent_of_nodes(std::size_t state, const Tangents& cha
       if (row.is_distance)
         out.row(row.first) += row.root_weight[0] * row.direction.transpose() * (of(row.node) - of(row.other));
       else
-        out.middleRows<3>(row.first) += row.root_weight.asDiagonal() * of(row.node);
+        out.middleRows<3>(row.first) += row.by_vector * of(row.node);
     }
   }
 }
@@ -129,7 +154,7 @@ void ObservedMotion::add_adjoint_of_nodes(std::size_t state, const Eigen::Ref<co
         to.velocities.col(node) += row.at.v[end] * by_vector;
       };
       if (!row.is_distance) {
-        add(row.node, row.root_weight.cwiseProduct(weights.segment<3>(row.first)));
+        add(row.node, row.by_vector.transpose() * weights.segment<3>(row.first));
         continue;
       }
       const Vector3 along = row.root_weight[0] * weights[row.first] * row.direction;

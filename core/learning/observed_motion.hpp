@@ -51,12 +51,16 @@ class ObservedMotion {
     Vector3 observed, root_weight;  // of distances: the first component
     Vector3 direction;              // of distances: from `other` to `node`
     Eigen::Index first;             // of its residuals
+    bool may_be_outlier = false;    // a position
+    Eigen::Matrix3d by_vector{};    // derivative of the residual, but of distances
   };
   void add(const Row& row);
+  void set_residual(Row& row, const Vector3& simulated, Eigen::Ref<Eigen::VectorXd> out) const;
   void add_tangent_of_nodes(std::size_t state, const Tangents& changes, Eigen::Ref<Eigen::MatrixXd> out) const;
   void add_adjoint_of_nodes(std::size_t state, const Eigen::Ref<const Eigen::VectorXd>& weights,
                             MotionDerivatives::StateChange& to) const;
 
+  double outlier_distance_;  // m
   std::vector<Row> rows_;
   std::vector<std::vector<std::size_t>> of_state_;  // [state]: rows between it and the next one
   Eigen::Index count_ = 0;                          // of the residuals of rows_

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "learning/outlier.hpp"
+
 namespace springnet::learning {
 
 using Eigen::MatrixXd;
@@ -25,17 +27,15 @@ void ObservedSurface::residuals(const MotionDerivatives& motion, Eigen::Ref<Vect
     if (k == 0 || row.time != rows_[k - 1].time) surface_.move(vectors_at(motion, row.at));
     row.nearest = surface_.nearest(row.observed);
     const Vector3 way = row.nearest.point - row.observed;
-    const double distance = way.norm(), most = outlier_distance_;
     auto residual = out.segment<3>(3 * static_cast<Eigen::Index>(k));
     residual = row.root_weight * way;
     row.by_point = row.root_weight * row.nearest.normal;
-    if (!(distance > most)) continue;
-    // Its length is sqrt(2 most distance - most^2); across the way it turns with it.
-    const double length = std::sqrt(2.0 * most * distance - most * most);
-    const Vector3 along = way / distance;
-    residual = row.root_weight * length * along;
-    row.by_point *= length / distance;
-    row.by_point += row.root_weight * (most / length - length / distance) * along * along.transpose();
+    if (!(way.norm() > outlier_distance_)) continue;
+    // The way is normal to the surface, so the plane of the surface lies across it.
+    const Outlier outlier(way, outlier_distance_);
+    residual *= outlier.share;
+    row.by_point = row.root_weight *
+                   (outlier.share * row.nearest.normal + outlier.by_way - outlier.share * Eigen::Matrix3d::Identity());
   }
 }
 

@@ -17,6 +17,7 @@
 #include "figure_page.hpp"
 #include "guess_report.hpp"
 #include "inspect_mesh.hpp"
+#include "spring_list.hpp"
 #include "text/counted.hpp"
 #include "text_table.hpp"
 
@@ -31,6 +32,7 @@ resists); and likely input mistakes: springs far stiffer than the rest, nodes wi
 wrong units. The page inspect.md of the documentation explains the numbers.
 Where words of the scene stand for numbers (stiffness = "very soft") it shows which terms and rules gave which number, and
 how wide the guess is; --plot draws the membership functions.
+--springs writes which spring is where, for tables of values ([[spring]] values).
 For a mesh file it reports groups, sizes, edges, the likely unit of its coordinates, and how a scene uses it.
 
 Examples:
@@ -45,7 +47,8 @@ Exit status:
 struct InspectArguments {
   SceneArguments scene;
   bool json = false;
-  std::filesystem::path plot;  // .svg or .html; empty: no picture
+  std::filesystem::path plot;     // .svg or .html; empty: no picture
+  std::filesystem::path springs;  // .csv; empty: no table
 };
 
 std::string text_of(const std::optional<Range>& range, const char* unit, bool all_known = true) {
@@ -306,6 +309,8 @@ int run(const InspectArguments& arguments) {
   if (has_mesh_ending(arguments.scene.file)) {
     if (!arguments.plot.empty())
       throw Error(ErrorKind::input, "'--plot' draws guesses of a scene; a mesh file has none");
+    if (!arguments.springs.empty())
+      throw Error(ErrorKind::input, "'--springs' lists those of a scene; a mesh file has none");
     if (!arguments.scene.sets.empty()) {
       throw Error(ErrorKind::input, "'--set' changes keys of a scene; a mesh file has none");
     }
@@ -316,6 +321,7 @@ int run(const InspectArguments& arguments) {
   const Scene scene = arguments.scene.load(*host);
   const std::vector<SceneGuess> guesses = guesses_of(arguments.scene, *host);
   if (!arguments.plot.empty()) plot_guesses(guesses, arguments);
+  if (!arguments.springs.empty()) write_springs(arguments.springs, scene.network);
   const Inspection found = inspect(scene.network, *host, options_of(scene, *host));
   if (arguments.json) {
     fmt::print("{}", json_with(found, guesses));
@@ -328,7 +334,8 @@ int run(const InspectArguments& arguments) {
   print_limits(scene, found);
   print_findings(scene.network, found);
   for (const std::string& note : notes_without(guesses, scene)) fmt::print("note: {}\n", printable_message(note));
-  if (!arguments.plot.empty()) fmt::print("\nwritten: {}\n", printable_message(arguments.plot.string()));
+  for (const std::filesystem::path& written : {arguments.plot, arguments.springs})
+    if (!written.empty()) fmt::print("\nwritten: {}\n", printable_message(written.string()));
   return done;
 }
 
@@ -344,6 +351,10 @@ void add_inspect(CLI::App& app, Action& action) {
       ->add_option("--plot", arguments->plot,
                    "Draw the guesses that words of the scene stand for: FILE.svg or FILE.html")
       ->type_name("FILE");
+  command
+      ->add_option("--springs", arguments->springs,
+                   "Write a row for each spring: its number, its ends, where its middle is, and its rest length")
+      ->type_name("FILE.csv");
   command->footer(inspect_examples);
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }

@@ -83,6 +83,7 @@ struct LearnArguments {
   double memory = 1024.0;  // MiB
   double outlier_distance = Observations{}.outlier_distance;
   std::string guess_weight = widths_rule;
+  double guess_width = 0.0;
   bool correct_rules = false;
   std::vector<std::filesystem::path> held_out;
   std::set<std::string> given;  // options that stand on the command line
@@ -114,8 +115,8 @@ void check(const LearnArguments& arguments) {
                       "out {}",
                       of_several_runs));
   }
-  for (const char* const of_trajectory :
-       {"--optimiser", "--iterations", "--tolerance", "--guess-weight", "--correct-rules", "--certainty-products"})
+  for (const char* const of_trajectory : {"--optimiser", "--iterations", "--tolerance", "--guess-weight",
+                                          "--guess-width", "--correct-rules", "--certainty-products"})
     if (is_given(of_trajectory) && is_online && !arguments.compare)
       refuse(fmt::format("{} is of --method trajectory; with 'online' it needs --compare", of_trajectory));
   if (is_given("--rate") && !is_online && !arguments.compare)
@@ -127,12 +128,13 @@ void check(const LearnArguments& arguments) {
 
 // The same of what the tables decide.
 void check(const LearnArguments& arguments, const std::vector<Experiment>& experiments) {
-  const bool has_points = std::any_of(experiments.begin(), experiments.end(), [](const Experiment& each) {
-    return !each.observations.surface_points.empty() || !each.held_out.surface_points.empty();
+  const bool has_places = std::any_of(experiments.begin(), experiments.end(), [](const Experiment& each) {
+    const auto has = [](const Observations& seen) { return !seen.surface_points.empty() || !seen.positions.empty(); };
+    return has(each.observations) || has(each.held_out);
   });
-  if (arguments.given.contains("--outlier-distance") && !has_points)
+  if (arguments.given.contains("--outlier-distance") && !has_places)
     throw Error(ErrorKind::input,
-                "--outlier-distance is of points of the surface (time,x,y,z), and the tables have none; leave it out");
+                "--outlier-distance is of positions and points of the surface, and the tables have none; leave it out");
 }
 
 // Throws Error(input) if there is none.
@@ -147,6 +149,17 @@ std::string read_state(const OutputFolder& folder) {
   if (!in) throw Error(ErrorKind::input, fmt::format("{}: cannot be read", file.string()));
   if (state.empty()) throw Error(ErrorKind::input, fmt::format("{}: is empty; learn without --resume", file.string()));
   return state;
+}
+
+// Of values without words as a guess.
+void set_guess_widths(std::vector<Learnable>& learnables, double width) {
+  using Kind = LearnedValues::Kind;
+  for (Learnable& each : learnables) {
+    const Kind kind = each.values.kind;
+    if (!each.guess_widths.empty() || kind == Kind::initial_velocity || kind == Kind::gravity) continue;
+    each.guess_widths.assign(each.values.members.size(), width);
+    each.by_logarithm = true;
+  }
 }
 
 void set_guess_weight(LearnOptions& options, const std::string& text) {
@@ -185,6 +198,7 @@ int run(const LearnArguments& arguments) {
   const std::unique_ptr<const GuessedValues> guesses = guesses_of(arguments.scene, host, learnables);
   // The paper's method knows no guess, and both begin alike.
   if (guesses && arguments.method != online_method && !arguments.compare) guesses->set_widths(learnables);
+  if (arguments.guess_width > 0.0) set_guess_widths(learnables, arguments.guess_width);
   if (arguments.correct_rules && !guesses)
     throw Error(
         ErrorKind::input,
@@ -360,14 +374,22 @@ void add_learn(CLI::App& app, Action& action) {
                     "Go on where a search with the same arguments was stopped or killed, from the output folder: the "
                     "result has the same bits as if it had not been");
   command
-      ->add_option("--guess-weight", arguments->guess_weight,
-                   "Weight of the squares of relative changes from the start, to which values go that the data do not "
-                   "determine; widths: 1 where words of the scene are the guess and the tables have standard "
-                   "deviations, else 0; discrepancy: the greatest with which differences are within the standard "
-                   "deviations; l-curve: where smaller ones move values without getting nearer to the observations "
-                   "[widths]")
+      ->add_option(
+          "--guess-weight", arguments->guess_weight,
+          "Weight of the squares of relative changes from the start, to which values go that the data do not "
+          "determine; widths: 1 where words of the scene, or --guess-width, tell how sure it is and the tables "
+          "have standard deviations, else 0; discrepancy: the greatest with which differences are within the standard "
+          "deviations; l-curve: where smaller ones move values without getting nearer to the observations "
+          "[widths]")
       ->type_name("W|widths|discrepancy|l-curve")
       ->check(CLI::IsMember({widths_rule, "discrepancy", "l-curve"}) | number_between(0.0, finite));
+  command
+      ->add_option(
+          "--guess-width", arguments->guess_width,
+          "How far off values of the scene may be as guesses, those that words do not tell: the standard "
+          "deviation of their logarithm, 0.7 for a factor of 2. Not of start velocities and gravity [not known]")
+      ->type_name("S")
+      ->check(number_between(above_zero, finite));
   command->add_flag("--correct-rules", arguments->correct_rules,
                     "Write the rule base whose words the scene has with terms that would have guessed what was "
                     "learned, learned.fcl");
@@ -383,8 +405,10 @@ void add_learn(CLI::App& app, Action& action) {
       ->type_name("MIB")
       ->check(number_between(above_zero, 1e9));
   command
-      ->add_option("--outlier-distance", arguments->outlier_distance,
-                   "Points that are farther from the surface, m, count by their distance in place of its square [none]")
+      ->add_option(
+          "--outlier-distance", arguments->outlier_distance,
+          "Positions of nodes that are farther off than this, m, and points that are farther from the surface, "
+          "count by their distance in place of its square (Huber's function) [none]")
       ->type_name("M")
       ->check(number_between(above_zero, finite));
   arguments->output.add_to(*command);

@@ -82,7 +82,7 @@ CorrectedRules corrected_rules(const GuessedValues& guesses, const LearnedNet& l
   }
   for (std::size_t k = 0; k < found.size(); ++k) {
     const SceneGuess& guess = guesses.guesses()[found[k].guess];
-    const auto corrected = correction.after[k];
+    const auto& corrected = correction.after[k];
     result.notes.push_back(fmt::format("{} from '{}': guessed {}, learned {}, by the corrected rules {}.", guess.key,
                                        printable(guess.words), number_of(guess, correction.before[k]->value),
                                        number_of(guess, examples[k].value),

@@ -52,8 +52,8 @@ struct SPRINGNET_API Observations {
   std::vector<VectorRow> positions, velocities, reactions;
   std::vector<DistanceRow> distances;
   std::vector<SurfacePoint> surface_points;
-  // m: points of the surface that are farther from it count by their distance, in place of its square (P. J. Huber,
-  // Ann. Math. Statist. 35, 1964), so that wrong ones do not outweigh the others.
+  // m: positions that are farther off, and points that are farther from the surface, count by their distance, in place
+  // of its square (P. J. Huber, Ann. Math. Statist. 35, 1964), so that wrong ones do not outweigh the others.
   double outlier_distance = std::numeric_limits<double>::infinity();
   std::vector<File> files;
 
