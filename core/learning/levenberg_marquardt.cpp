@@ -24,7 +24,7 @@ constexpr double loosest_inner = 0.1, tightest_inner = 1e-8;
 
 struct MarquardtState : SearchState {
   double damping = first_damping, growth = 2.0;
-  VectorXd scale;  // see LinearModel
+  VectorXd scale;  // see LinearisedProblem
   void archive(Archive& archive) {
     SearchState::archive(archive);
     archive.number(damping);
@@ -35,11 +35,11 @@ struct MarquardtState : SearchState {
 
 // A step of the linear model at the present point: least |J s + r|^2 + damping |D s|^2 over the variables that may
 // move.
-class LinearModel {
+class LinearisedProblem {
  public:
   // scale: as Moré has it, the greatest sensitivity to each variable so far, so that the search does not depend on
   // units; where Jacobians are not known, the one that the units let expect.
-  LinearModel(LeastSquares& problem, bool dense, VectorXd& scale, const Scaled& scaled)
+  LinearisedProblem(LeastSquares& problem, bool dense, VectorXd& scale, const Scaled& scaled)
       : problem_(problem), dense_(dense), scale_(scale), scaled_(scaled) {}
 
   void set(const VectorXd& x, const VectorXd& residuals, const Bounds& bounds) {
@@ -156,7 +156,7 @@ Minimum levenberg_marquardt(LeastSquares& problem, const VectorXd& start, const 
   const bool dense = start.size() <= options.most_dense &&
                      static_cast<double>(start.size()) * static_cast<double>(residuals.size()) <= options.most_numbers;
   const Scaled scaled(bounds, options);
-  LinearModel model(problem, dense, state.scale, scaled);
+  LinearisedProblem model(problem, dense, state.scale, scaled);
   model.set(state.x, residuals, bounds);
   const Course course(options);
   while (true) {
