@@ -14,7 +14,7 @@
 namespace springnet::check {
 namespace {
 
-constexpr double step = 0.01;  // s
+constexpr double memory_step = 0.01;  // s
 
 LawUse stiffening() { return law_by_formula("k*e + c*e^3", {{"k", oscillator::stiffness}, {"c", 20.0}}); }
 Network oscillating() { return pair(stiffening(), {0.2, 0.1}, true); }
@@ -41,7 +41,7 @@ void make_steps(Simulation& simulation, int count) {
 // The state after some steps, what `between` does, and some more.
 template <class Between>
 std::string bits_after(const Trial& trial, const Between& between) {
-  Simulation simulation = trial.run(oscillating(), step);
+  Simulation simulation = trial.run(oscillating(), memory_step);
   make_steps(simulation, 12);
   between(simulation);
   make_steps(simulation, 12);
@@ -87,7 +87,7 @@ std::string check_restore(const Trial& trial, const Trial& anew) {
   Network larger = oscillating();
   larger.add_node(Node{.position = Vector3(0.0, 3.0, 0.0)});
   larger.add_spring(0, 2, 0);
-  Simulation other = trial.run(larger, step);
+  Simulation other = trial.run(larger, memory_step);
   make_steps(other, 12);
   return refuses(trial, other.integrator_memory(), "the memory of a larger network");
 }
@@ -148,14 +148,14 @@ Outcome check_integrator_leaks(const Component& component, const PluginHost& hos
   const Trial trial(component, host);
   const Network net = oscillating();
   now_doing("making steps");
-  Simulation simulation = trial.run(net, step);
+  Simulation simulation = trial.run(net, memory_step);
   const double by_steps = kept_by_each([&] { simulation.step(); }, 200);
   if (by_steps >= 1.0)
     return {Result::failed, fmt::format("each step keeps {:.0f} bytes: give them back when it ends", by_steps)};
   now_doing("creating and destroying it");
   const double by_lives = kept_by_each(
       [&] {
-        Simulation another = trial.run(net, step);
+        Simulation another = trial.run(net, memory_step);
         another.step();
       },
       10);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
+
+#include "layers/block.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -20,12 +22,6 @@ constexpr double least_stiffness = 60.0;
 constexpr double added = 1e-5;
 // Share of a spring's stiffness from which on what it has across its direction counts.
 constexpr double least_across = 0.01;
-
-Matrix3d cross_matrix(const Vector3d& d) {
-  Matrix3d result;
-  result << 0.0, -d[2], d[1], d[2], 0.0, -d[0], -d[1], d[0], 0.0;
-  return result;
-}
 
 }  // namespace
 
