@@ -13,7 +13,7 @@ namespace {
 constexpr double rounding = 1e-10;  // of forces that grow, relative to the largest
 
 // Where a force falls most as an argument grows.
-struct Fall {
+struct Descent {
   double part = rounding;  // relative to the largest force along the line
   double before = 0.0, after = 0.0, from = 0.0, to = 0.0;
   std::size_t row = 0, column = 0;
@@ -23,7 +23,7 @@ struct Fall {
 
 // Follows the force `row` along a column; what falls more than `worst` takes its place.
 void follow(const LawCall& call, const Point& element, std::size_t row, std::size_t column, double low, double high,
-            Fall& worst) {
+            Descent& worst) {
   constexpr int parts = 50;
   std::vector<Point> points(parts + 1, element);
   for (int k = 0; k <= parts; ++k) points[static_cast<std::size_t>(k)][column] = low + (high - low) * k / parts;
@@ -43,12 +43,12 @@ void follow(const LawCall& call, const Point& element, std::size_t row, std::siz
 }
 
 // Of a law over several scalars each force along its own scalar.
-Fall find_fall(ReadyLaw& ready) {
+Descent find_fall(ReadyLaw& ready) {
   const LawCall& call = ready.call();
   const sdk::JacobianLayout& l = call.layout();
   const Points& points = ready.points();
   const bool is_speed = !call.several() && call.law().invariant == SPRINGNET_RELATIVE_SPEED;
-  Fall worst;
+  Descent worst;
   for (const Point& element : ready.points().several(20)) {
     for (std::size_t i = 0; i < l.invariants; ++i) {
       if (!call.reads_value(i)) continue;
@@ -69,7 +69,7 @@ Fall find_fall(ReadyLaw& ready) {
 
 // Empty if no force falls.
 std::string check_monotone(ReadyLaw& ready) {
-  const Fall fall = find_fall(ready);
+  const Descent fall = find_fall(ready);
   if (!fall.found()) return {};
   const LawCall& call = ready.call();
   return fmt::format(
