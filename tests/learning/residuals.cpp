@@ -171,4 +171,29 @@ TEST_CASE("residuals of points of a surface are their distances from it") {
              {{{Kind::spring_parameter, false, "stiffness", from_to(0, net.springs().size())}, true}}, 0.0);
   const VectorXd of_outlier = robust.residuals(robust.variables().start()).head(robust.observation_rows());
   CHECK(0.5 * of_outlier.tail(3).squaredNorm() == doctest::Approx(4.0 * (0.01 * 0.03 - 0.5 * 1e-4)).epsilon(1e-12));
+  // So has a position, which is seen at (0, 0, 0) with weight 1.
+  const double distance = residuals.head(3).norm();
+  REQUIRE(distance > 0.05);
+  CHECK(0.5 * of_outlier.head(3).squaredNorm() == doctest::Approx(0.01 * distance - 0.5 * 1e-4).epsilon(1e-12));
+  CHECK(of_outlier.head(3).cross(residuals.head(3)).norm() < 1e-14);
+}
+
+TEST_CASE("of a position without a component only what was seen tells whether it is an outlier") {
+  const Network net = held_block();
+  Observations seen;
+  seen.positions.push_back(row(0.02, 5, {0, 0, 0}));
+  seen.positions.back().weight = Vector3(1, 0, 4);
+  seen.outlier_distance = 1e-3;
+  const std::vector<Learnable> stiffness{
+      {{Kind::spring_parameter, false, "stiffness", from_to(0, net.springs().size())}, true}};
+  Fit robust({experiment(net, to_learn_with(1.0, 0.02), seen)}, plugins(), stiffness, 0.0);
+  seen.outlier_distance = std::numeric_limits<double>::infinity();
+  Fit plain({experiment(net, to_learn_with(1.0, 0.02), seen)}, plugins(), stiffness, 0.0);
+  const VectorXd of_outlier = robust.residuals(robust.variables().start()).head(3);
+  const VectorXd residual = plain.residuals(plain.variables().start()).head(3);
+  const double distance = std::hypot(residual[0], residual[2] / 2.0);
+  REQUIRE(distance > 1e-2);
+  const double share = std::sqrt(2e-3 * distance - 1e-6) / distance;
+  CHECK((of_outlier - share * residual).norm() < 1e-14);
+  CHECK(of_outlier[1] == 0.0);
 }

@@ -33,6 +33,30 @@ TEST_CASE("inspect describes a scene, and writes nothing") {
   CHECK_FALSE(std::filesystem::exists(folder.path() / "results"));
 }
 
+TEST_CASE("inspect lists which spring is where, for a table of values") {
+  const TemporaryFolder folder;
+  folder.write("chain.toml", R"(
+[simulation]
+duration = 1.0
+time_step = 0.1
+integrator = { name = "recurrent" }
+[[body]]
+name = "chain"
+nodes = [[0, 0, 0], [1, 0, 0], [1, 0, 3]]
+springs = [[0, 1], [2, 1]]
+rest_lengths = [0.5, 2.0]
+neuron = { type = "point_mass", mass = 1.0 }
+spring = { type = "linear", stiffness = 1.0 }
+)");
+  check_output(testing::springnet(folder, "inspect chain.toml --springs springs.csv"), {"written: springs.csv"});
+  CHECK(testing::read_text(folder.path() / "springs.csv") ==
+        "spring,first,second,x,y,z,rest_length\n0,0,1,0.5,0,0,0.5\n1,2,1,1,0,1.5,2\n");
+  const Answer of_mesh = testing::springnet(folder, "inspect absent.msh --springs springs.csv");
+  CHECK(of_mesh.status == 2);
+  CHECK(of_mesh.err.find("'--springs' lists those of a scene") != std::string::npos);
+  CHECK(testing::springnet(folder, "inspect chain.toml --springs absent/springs.csv").status != 0);
+}
+
 TEST_CASE("inspect reports unusual springs and nodes by the scene's numbers") {
   const TemporaryFolder folder;
   folder.write("mistakes.toml", R"(

@@ -463,6 +463,32 @@ TEST_CASE("learn corrects the rules whose words a scene has") {
   CHECK(has(without.err, "--correct-rules"));
 }
 
+TEST_CASE("values without words have a guess of a width that is told") {
+  const TemporaryFolder folder;
+  folder.write("guess.toml", bar(250, 1));
+  // One place, seen once, says little of two values.
+  folder.write("seen.csv", "time,node,x,y,z,s\n0.2,0,0,0,-0.15,0.05\n");
+  const std::string learn =
+      "learn guess.toml --observations seen.csv --parameters spring.stiffness:together,viscosity.damping:together ";
+  const auto learned = [&](const std::string& options, const std::string& to) {
+    REQUIRE(testing::springnet(folder, learn + options + " -o " + to).status == 0);
+    return testing::read_json(folder.path() / to / "learning.json");
+  };
+  const auto free = learned("", "free"), held = learned("--guess-width 0.01", "held"),
+             loose = learned("--guess-width 3", "loose");
+  CHECK(free["guess_weight"] == 0.0);
+  CHECK(held["guess_weight"] == 1.0);
+  const auto change = [](const auto& json) {
+    const auto& first = json["parameters"][0];
+    return std::abs(std::log(first["value"].template get<double>() / first["start"].template get<double>()));
+  };
+  // 0.01 of the logarithm: a place that is off by less than some standard deviations does not move it by more.
+  CHECK(change(held) < 0.02);
+  CHECK(change(loose) > 10.0 * change(held));
+  CHECK(held["parameters"][0]["from_guess"].get<double>() > 0.9);
+  CHECK(loose["parameters"][0]["from_guess"].get<double>() < held["parameters"][0]["from_guess"].get<double>());
+}
+
 TEST_CASE("learn refuses observations and selections with what is wrong, and where") {
   const TemporaryFolder folder;
   folder.write("bar.toml", bar(250, 1));
@@ -476,6 +502,7 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
   folder.write("far.csv", "time,node,x,y,z\n0.1,0,0,0,-0.01\n1000000000,1,0,0,0\n");
   folder.write("odd.csv", "time,node,x,y,z\n0.1,0,0,0,red\n");
   folder.write("none.csv", "time,node,x,y,z\n0.1,0,nan,nan,\n");
+  folder.write("speed.csv", "time,node,vx,vy,vz\n0.1,1,0,0,-0.01\n");
   struct Wrong {
     const char* arguments;
     const char* message;
@@ -507,7 +534,8 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
               "--certainty-products is of --method trajectory"},
         Wrong{"good.csv --parameters mass --rate 0.1", "--rate is of --method online"},
         Wrong{"good.csv --parameters mass --seed 2", "--seed is of searches from several starts"},
-        Wrong{"good.csv --parameters mass --outlier-distance 0.1", "--outlier-distance is of points of the surface"},
+        Wrong{"speed.csv --parameters mass --outlier-distance 0.1", "--outlier-distance is of positions and points"},
+        Wrong{"good.csv --parameters mass --method online --guess-width 1", "--guess-width is of --method trajectory"},
         Wrong{"good.csv --parameters mass,mass@bar", "node 0 is among 'mass', too"},
         Wrong{"seen.csv --parameters mass:field=two", "the degree of a field"},
         Wrong{"seen.csv --parameters load", "there are no loads"},
