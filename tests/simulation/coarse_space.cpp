@@ -143,7 +143,6 @@ TEST_CASE("a net a thousand times stiffer than its masses takes as few iteration
     CHECK(system.engine.linear().known() == assembled);
     REQUIRE(system.solve(b, 1e-3) == SPRINGNET_OK);
     CHECK(system.answer.outcome == SPRINGNET_SOLVED);
-    CHECK(system.answer.iterations < 45);
-    MESSAGE("iterations ", system.answer.iterations);
+    CHECK(system.answer.iterations < 25);
   }
 }
