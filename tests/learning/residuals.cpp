@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -175,7 +176,7 @@ TEST_CASE("residuals of points of a surface are their distances from it") {
   const double distance = residuals.head(3).norm();
   REQUIRE(distance > 0.05);
   CHECK(0.5 * of_outlier.head(3).squaredNorm() == doctest::Approx(0.01 * distance - 0.5 * 1e-4).epsilon(1e-12));
-  CHECK(of_outlier.head(3).cross(residuals.head(3)).norm() < 1e-14);
+  CHECK(Vector3(of_outlier.head(3)).cross(Vector3(residuals.head(3))).norm() < 1e-14);
 }
 
 TEST_CASE("of a position without a component only what was seen tells whether it is an outlier") {
