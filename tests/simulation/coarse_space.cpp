@@ -144,5 +144,15 @@ TEST_CASE("a net a thousand times stiffer than its masses takes as few iteration
     REQUIRE(system.solve(b, 1e-3) == SPRINGNET_OK);
     CHECK(system.answer.outcome == SPRINGNET_SOLVED);
     CHECK(system.answer.iterations < 25);
+    for (const unsigned threads : {2u, 3u}) {
+      PreparedSystem other(own, threads);
+      REQUIRE(other.prepare(t, t * t, 0.0, false) == SPRINGNET_OK);
+      REQUIRE(other.solve(b, 1e-3) == SPRINGNET_OK);
+      CHECK(other.x == system.x);
+    }
+    PreparedSystem generic(own, 1, InstructionSet::generic);
+    REQUIRE(generic.prepare(t, t * t, 0.0, false) == SPRINGNET_OK);
+    REQUIRE(generic.solve(b, 1e-3) == SPRINGNET_OK);
+    CHECK(generic.x == system.x);
   }
 }
