@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "constraints/cluster.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/contact_within.hpp"
 #include "constraints/vectors.hpp"
@@ -14,9 +13,10 @@ namespace springnet {
 namespace {
 
 // Changes of decision within a step after which a contact stays active.
-constexpr std::uint8_t max_decisions = 8;
+constexpr std::uint8_t max_changes = 8;
 // In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
+constexpr std::uint32_t no_cluster = 0xffffffffu;
 
 void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& force) {
   if (sweep.constraint_force.x != nullptr) put_vector(sweep.constraint_force, node, force);
@@ -25,14 +25,14 @@ void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& 
 }  // namespace
 
 bool Contact::has_chattered(std::uint32_t node) const noexcept {
-  return !changes_.empty() && changes_[node] >= max_decisions;
+  return !changes_.empty() && changes_[node] >= max_changes;
 }
 
 bool Contact::record_decision(std::uint32_t node, bool in_contact) {
-  if (changes_[node] >= max_decisions) return true;
+  if (changes_[node] >= max_changes) return true;
   if ((was_in_contact_[node] != 0) != in_contact) ++changes_[node];
   was_in_contact_[node] = in_contact ? 1 : 0;
-  return changes_[node] >= max_decisions;
+  return changes_[node] >= max_changes;
 }
 
 void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces) {
@@ -135,7 +135,7 @@ inline bool Contact::keep_free(const Within& within, std::uint32_t node) {
   const springnet_sweep& sweep = within.sweep;
   // Most nodes are free, were free in the sweep before, and are far from everything: nothing changes.
   const bool is_free = sweep.contacts == 0 && committed(node).surface < 0 && now(node).surface < 0 &&
-                       was_in_contact_[node] == 0 && bounces_[node] == 0 && changes_[node] < max_decisions;
+                       was_in_contact_[node] == 0 && bounces_[node] == 0 && changes_[node] < max_changes;
   if (!is_free || !is_far(node, sweep)) return false;
   sweep_impulse_[node].setZero();
   return true;
@@ -175,7 +175,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
   const Vector3 start = vector_at(sweep.start_position, node), end = vector_at(sweep.next_position, node);
   const bool decides = sweep.contacts == 0;
   // At the last permitted change of decision skip the shortcut: meet() then keeps the contact.
-  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_decisions;
+  const bool last_change = changes_[node] + (was_in_contact_[node] != 0 ? 1 : 0) >= max_changes;
   if (committed(node).surface < 0 && (!decides || (!last_change && first_meeting(at, start, end).surface < 0))) {
     // The common case: the node stays free.
     if (decides) static_cast<void>(record_decision(node, false));
@@ -198,8 +198,7 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
     meet(within, node, candidate);
 }
 
-// The reaction over the step decides on release. A surface on which nodes slide since before the step never pulls, even
-// after chatter.
+// The reaction over the step decides on release. A surface on which nodes slide never pulls, even after chatter.
 bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const Placement& at = within.at;
   const Touch& before = committed(node);
@@ -309,12 +308,11 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
       const Vector3 place = carried_from(at, candidate.start, candidate.position, meeting);
       on = slide_along(within, meeting.surface, candidate, &place, rebounds);
     }
-    // On its way through the step it meets the surface, and there, where it would stop, it is pushed off: neither is the
-    // end of a step. After some changes it stops for this step, although the surface then pulls.
-    if (on.normal >= 0.0 || (stays_active && before.surface < 0))
-      slide(within, node, on, candidate);
-    else
+    // If this alternates without end, the step does not settle and is reported.
+    if (on.normal < 0.0)
       decide(node, {}, Vector3::Zero());
+    else
+      slide(within, node, on, candidate);
     return;
   }
   const Vector3 place =
@@ -426,7 +424,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
   const Path path{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
   const Meeting next = next_meeting(at, path, on.touch);
   // After too many changes of its surfaces the node counts as meeting all that it met so far.
-  const bool settles = slide_changes_[node] >= max_decisions;
+  const bool settles = slide_changes_[node] >= max_changes;
   if (next.surface < 0 && !settles) {
     if (now(node) != on.touch) ++slide_changes_[node];
     set_outputs(within, node, on);
@@ -456,7 +454,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       if (settles && gap(at, static_cast<std::size_t>(j), on.position) <= length) met.push_back(j);
     if (next.surface >= 0) met.push_back(next.surface);
     const std::optional<Slide> found = choose_active_set(within, on, met, candidate);
-    if (found && now(node) != found->touch && slide_changes_[node] < 2 * max_decisions) ++slide_changes_[node];
+    if (found && now(node) != found->touch && slide_changes_[node] < 2 * max_changes) ++slide_changes_[node];
     for (const std::int32_t j : met)
       if (std::find(met_[node].begin(), met_[node].end(), j) == met_[node].end()) met_[node].push_back(j);
     if (found && found->touch.third >= 0 && any_is(found->touch, Friction::Kind::coulomb)) {
@@ -466,7 +464,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
       stop(within, node, {by, false}, place, candidate);
       return;
     }
-    if (found && slide_changes_[node] >= 2 * max_decisions && any_is(found->touch, Friction::Kind::coulomb)) {
+    if (found && slide_changes_[node] >= 2 * max_changes && any_is(found->touch, Friction::Kind::coulomb)) {
       // Among more surfaces friction takes and leaves each in turn: it stops the node, too.
       stop(within, node, {found->touch.surface, false}, found->position, candidate);
       return;
