@@ -17,8 +17,6 @@ namespace {
 constexpr double symmetric_share = 1.0;
 // More may not be left out of an approximate system.
 constexpr double max_asymmetry = 0.05;
-// Nor this much of an exact one: as much as an inaccurate solution leaves.
-constexpr double max_asymmetry_of_exact = 1e-3;
 // Iterations before a factorisation is tried, for nets of up to so many nodes, and the most without one. Factors of
 // solids fill up: there they take as long as many iterations.
 constexpr std::uint32_t patience = 100, max_solver_iterations = 400;
@@ -50,7 +48,7 @@ LinearModel::~LinearModel() = default;
 
 void LinearModel::forget() noexcept {
   sweep_.reset();
-  at_hand_ = indefinite_ = matrix_free_stalled_ = is_asymmetric_ = false;
+  at_hand_ = indefinite_ = matrix_free_stalled_ = false;
   topology_changed();
 }
 
@@ -60,7 +58,8 @@ springnet_status LinearModel::linearise(const springnet_evaluation& at, double e
   at_hand_ = false;
   const std::size_t n = model_.mass.size();
   linearised_at_.resize(3 * n);
-  for (std::size_t c = 0; c < 3; ++c) std::copy_n((&at.position.x)[c], n, linearised_at_.data() + c * n);
+  const double* const position[] = {at.position.x, at.position.y, at.position.z};
+  for (std::size_t c = 0; c < 3; ++c) std::copy_n(position[c], n, linearised_at_.data() + c * n);
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   factors_.current = false;
   model_.constraints.linearise(*model_.placement(at.time), at.position);
@@ -210,10 +209,7 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   const layers::FlushDenormals flush;
   const layers::SystemWeights weights{request.velocity_weight, request.position_weight, request.shift};
   if (request.at != nullptr) {
-    const bool is_exact = request.exact != 0;
-    if (!(is_exact && is_asymmetric_) &&
-        prepare_matrix_free(*request.at, weights, is_exact ? max_asymmetry_of_exact : max_asymmetry))
-      return SPRINGNET_OK;
+    if (request.exact == 0 && prepare_matrix_free(*request.at, weights)) return SPRINGNET_OK;
     begin_system(weights);
     if (const springnet_status status = linearise(*request.at, 0.0); status != SPRINGNET_OK) return status;
   }
@@ -230,19 +226,14 @@ void LinearModel::begin_system(const layers::SystemWeights& weights) {
 }
 
 bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
-  return prepare_matrix_free(at, weights, max_asymmetry);
-}
-
-bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights,
-                                      double most_asymmetry) {
   const layers::FlushDenormals flush;
   begin_system(weights);
   const layers::InternalView internal = quiet(model_.internal_for(at.internal));
-  if (!may_be_matrix_free(at) || !matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal),
-                                                       model_.external_at(at.time), weights_))
+  if (!may_be_matrix_free(at) ||
+      !matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
+                            weights_) ||
+      !(matrix_free_.asymmetry() <= max_asymmetry))
     return false;
-  is_asymmetric_ = !(matrix_free_.asymmetry() <= max_asymmetry_of_exact);
-  if (!(matrix_free_.asymmetry() <= most_asymmetry)) return false;
   prepared_ = Prepared::matrix_free;
   at_hand_ = false;
   keep_state(at);

@@ -86,8 +86,6 @@ class LinearModel {
   // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();
-  [[nodiscard]] bool prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights,
-                                         double most_asymmetry);
   void begin_system(const layers::SystemWeights& weights);
   void assemble();  // with the derivatives at hand
   // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.
@@ -113,7 +111,6 @@ class LinearModel {
   layers::IterativeSolver solver_;
   layers::MatrixFree matrix_free_;
   bool matrix_free_stalled_ = false;
-  bool is_asymmetric_ = false;         // the last one, too much for an exact system
   std::vector<double> linearised_at_;  // [3 node] m
   double kept_time_ = 0.0;
   springnet_internal kept_internal_{};                // no size: the evaluation had none
