@@ -34,8 +34,8 @@ class SPRINGNET_API GuessedValues {
   void set_widths(std::vector<Learnable>& learnables) const;
 
   // What the learned values say that the guesses should have been, of those that they tell apart; `guess` is a place in
-  // guesses(). From the intervals of values, or equal shares where none has one, with their scatter. Throws Error(input)
-  // if it was not these learnables that were learned.
+  // guesses(). From the intervals of values, or equal shares where none has one, with their scatter. Throws
+  // Error(input) if it was not these learnables that were learned.
   struct Found {
     std::size_t guess = 0;
     fuzzy::Example example;
