@@ -7,8 +7,8 @@
 
 namespace springnet::tool {
 
-// Columns spring, first, second, x, y, z and rest_length: the number of a spring, those of its ends, where its middle is
-// at the start and its rest length, m. Throws Error(input) if the file cannot be written.
+// Columns spring, first, second, x, y, z and rest_length: the number of a spring, those of its ends, where its middle
+// is at the start and its rest length, m. Throws Error(input) if the file cannot be written.
 void write_springs(const std::filesystem::path& file, const Network& network);
 
 }  // namespace springnet::tool
