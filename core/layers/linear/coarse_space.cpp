@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 // Nodes of a group at least, and groups at most: a system of 384 numbers, which fits into caches.
 constexpr std::size_t least_of_group = 24, most_halvings = 6;
-// (Measured: a lattice of 4096 nodes takes as long with and without groups there, a cloud of 2000 points a quarter.)
+// (Measured: a lattice of 4096 nodes takes as long with and without groups there, a cloud of points far less.)
 constexpr std::size_t least_nodes = 300;
 constexpr double least_stiffness = 400.0;
 // Of a diagonal: groups in a line do not turn about it, and single precision must tell.
