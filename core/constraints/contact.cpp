@@ -27,6 +27,9 @@ Contact::Contact(const Network& network, const std::vector<std::uint32_t>& user_
   changes_.assign(nodes, 0);
   was_in_contact_.assign(nodes, 0);
   slide_changes_.assign(nodes, 0);
+  lands_.assign(nodes, 0);
+  limited_changes_.assign(nodes, 0);
+  landing_.assign(nodes, Vector3::Zero());
   met_.assign(nodes, {});
   bounces_.assign(nodes, 0);
   braced_.assign(nodes, 0);
@@ -134,7 +137,10 @@ void Contact::begin_step(std::shared_ptr<const Placement> start) {
   any_moves_ = std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle& o) { return o.moves(); });
   std::fill(changes_.begin(), changes_.end(), std::uint8_t{0});
   std::fill(slide_changes_.begin(), slide_changes_.end(), std::uint8_t{0});
+  std::fill(lands_.begin(), lands_.end(), std::uint8_t{0});
   for (std::vector<std::int32_t>& surfaces : met_) surfaces.clear();
+  changed_sweeps_ = 0;
+  std::fill(limited_changes_.begin(), limited_changes_.end(), 0);
   for (std::size_t k = 0; k < was_in_contact_.size(); ++k) was_in_contact_[k] = touching_[k];
   discard_sweep();
 }
@@ -147,6 +153,16 @@ void Contact::discard_sweep() {
     now_[k] = committed(k);
     refresh(k);
   }
+}
+
+bool Contact::land(const springnet_vectors& velocity) const {
+  bool any = false;
+  for (std::uint32_t k = 0; k < lands_.size(); ++k) {
+    if (lands_[k] == 0 || fixed_[k] != 0) continue;
+    put_vector(velocity, k, landing_[k]);
+    any = true;
+  }
+  return any;
 }
 
 std::vector<ContactChange> Contact::commit_sweep(bool decided) {

@@ -138,6 +138,10 @@ class Contact {
   // The same for nodes of a list without rigid connections, [component][i] of `read` for nodes[i].
   void constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
                  const springnet_const_vectors& read);
+  // For sweeps that constrain all nodes at once. Before them: remembers contacts. After them: where too many sweeps of
+  // the step changed contacts, lets only some nodes do so that are not in a `cluster` (null: none).
+  void remember(const springnet_sweep& sweep);
+  void limit_changes(const Placement& end, const springnet_sweep& sweep, const std::uint32_t* cluster);
   // Sets position and velocity of a fixed or prescribed node; false for any other node.
   bool constrain_fixed(const Placement& end, std::uint32_t node, const springnet_sweep& sweep) const;
   // The first surface that a node meets on its path through the step, and the share of the path at which it does.
@@ -186,6 +190,8 @@ class Contact {
                                const Vector3& start_velocity, const Vector3& free) const;
   [[nodiscard]] std::int32_t last_surface(std::uint32_t node) const noexcept { return last_surface_[node]; }
 
+  // Stops nodes that arrived at a surface, see arrives(); true: there are any. Before commit_sweep().
+  [[nodiscard]] bool land(const springnet_vectors& velocity) const;
   // Commits the contacts of the last sweep and returns the changes; none if the sweeps did not decide contacts.
   [[nodiscard]] std::vector<ContactChange> commit_sweep(bool decided);
   // The placement at the start of the step.
@@ -234,12 +240,44 @@ class Contact {
   // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
   [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   void meet(const Within& within, std::uint32_t node, const Candidate& candidate);
-  // Keeps the committed contact whatever the forces.
-  void keep(const Within& within, std::uint32_t node, const Candidate& candidate);
+  [[nodiscard]] Candidate candidate_of(const Within& within, std::uint32_t node, const Vector3* read) const;
+  [[nodiscard]] Touch stopped_by_friction(const Placement& at, std::uint32_t node, const Candidate& candidate);
+  // Keeps a contact whatever the forces.
+  void keep(const Within& within, std::uint32_t node, const Touch& touch, const Candidate& candidate);
+  // A node that sticks to a surface at which it arrives in this step, at a place on it.
+  [[nodiscard]] Slide arrived_at(const Within& within, std::int32_t surface, const Vector3& place,
+                                 const Candidate& candidate) const;
+  [[nodiscard]] Vector3 where_it_sticks(const Within& within, std::uint32_t node, std::int32_t surface,
+                                        const Candidate& candidate) const;
+  // Whether few contacts may change in this sweep, as many did in others of the step.
+  [[nodiscard]] bool limits_changes(const springnet_sweep& sweep) const noexcept;
+  // Whether a node has no contact or one with a surface that does not hold it, off which it does not bounce: one that
+  // can be kept whatever the forces. Where a held node stays depends on its decisions.
+  [[nodiscard]] bool is_simple(std::uint32_t node, const Touch& touch) const;
+  [[nodiscard]] bool holds(std::int32_t surface) const {
+    return obstacles_[static_cast<std::size_t>(surface)].friction().kind == Friction::Kind::held;
+  }
+  void take_back(const Within& within, std::uint32_t node);
+  struct Changing {
+    std::uint32_t node;
+    Touch touch;
+    double way;                  // m, from the outputs with the contact that it had
+    Vector3 position, velocity;  // m, m/s
+    Vector3 impulse, slip;       // N s, m/s
+    std::uint8_t lands;
+    Vector3 landing;  // m/s
+  };
+  void restore_outputs(const springnet_sweep& sweep, std::uint32_t node);
+  [[nodiscard]] bool slips_first(const Changing& change) const;
+  void slip_instead(const Within& within, std::uint32_t node);
+  void change_as_decided(const springnet_sweep& sweep, const Changing& change);
   // Slides along one surface; the velocity is tangential at the end position, or at `normal_at` unless null. rebound:
   // m/s.
   [[nodiscard]] Slide slide_along(const Within& within, std::int32_t surface, const Candidate& candidate,
                                   const Vector3* normal_at = nullptr, double rebound = 0.0) const;
+  // Whether a node that meets a surface in this step ends it with the velocity that takes it there, instead of the
+  // surface's: see Arrivals in contact_slide.cpp.
+  [[nodiscard]] bool arrives(std::uint32_t node, std::int32_t surface) const;
   // Slides along the edge of two surfaces; rebound: off the second, m/s.
   [[nodiscard]] Slide slide_along_edge(const Within& within, std::int32_t first, std::int32_t second,
                                        const Candidate& candidate, double rebound = 0.0) const;
@@ -283,10 +321,23 @@ class Contact {
   std::vector<Touch> committed_, now_;
   // Within a step, [node]: changes of decision between sweeps, and the last decision.
   std::vector<std::uint8_t> changes_, was_in_contact_, bounces_, braced_;
+  std::vector<std::uint8_t> lands_;  // [node], of the last sweep: its velocity becomes landing_ at the commit
+  std::vector<Vector3> landing_;     // m/s
   // Changes of the set of surfaces on which a node slides, and all surfaces that it met.
   std::vector<std::uint8_t> slide_changes_;
   std::vector<std::vector<std::int32_t>> met_;
   std::vector<Slip> slip_phase_;
+  // Sweeps of the step that constrained all nodes and changed contacts, and what was before the last.
+  int changed_sweeps_ = 0;
+  std::vector<int> limited_changes_;  // [node] that limit_changes() let happen
+  struct Before {
+    std::vector<Touch> now;
+    std::vector<std::uint8_t> changes, slide_changes, was_in_contact;
+    std::vector<std::int32_t> last_surface;
+    std::vector<Vector3> slip;
+    std::vector<double> outputs;  // [6][node] without contact, m and m/s
+  } before_;
+  std::vector<Changing> changing_;
   // [node] where the node last started, m, and the square of the path from there that meets no obstacle, if they stand
   // still, m^2.
   struct StartGap {

@@ -16,19 +16,31 @@ namespace {
 // friction: if that is too little to overcome friction, the slip reverses through zero, so that its end can be located.
 // If the slip without friction already points against `kept`, friction opposes `kept`.
 ContactResponse solve_slipping(const Matrix3& mobility, const Vector3& relative, const Vector3& n, double friction,
-                               const Vector3& kept) {
+                               const Vector3& kept, double more = 0.0) {
   const double impulse = -n.dot(relative) / n.dot(mobility * n);
-  Vector3 direction = n;
-  if (impulse > 0.0) {  // a pulling impulse causes no friction
+  Vector3 all = n * impulse;
+  if (impulse > 0.0 && impulse + more > 0.0) {  // a pulling impulse causes no friction
     Vector3 t = relative - n * n.dot(relative);
     const Vector3 before = kept - n * n.dot(kept);
     if (!(t.dot(before) > 0.0) && before.norm() > 0.0) t = before;
-    if (t.norm() > 0.0) direction -= friction * t.normalized();
+    if (t.norm() > 0.0) all -= friction * (impulse + more) * t.normalized();
   }
-  return {relative + mobility * direction * impulse, direction * impulse, impulse, false};
+  return {relative + mobility * all, all, impulse, false};
 }
 
 }  // namespace
+
+// Arrivals. A node that meets a surface within the step ends it there, with the velocity of the surface: one that is
+// not (P - p*) / w, as it was stopped on its way. Where damping is great for the length of the step, the damping forces
+// of so sudden a stop may push the node off again, which without them would be behind the surface: then no outputs fit.
+// Such a node ends the step with the velocity that takes it to the surface, (P - p*) / w, and the next step stops it.
+// Whether it meets the surface then has one answer, whatever the damping: the complementarity of the gap and the
+// reaction in the implicit step.
+//
+// Off a surface with restitution nodes bounce within the step, and so it stops them within the step, too.
+bool Contact::arrives(std::uint32_t node, std::int32_t surface) const {
+  return !committed(node).has(surface) && !(obstacles_[static_cast<std::size_t>(surface)].restitution() > 0.0);
+}
 
 Contact::Slide Contact::slide_along(const Within& within, std::int32_t surface, const Candidate& made,
                                     const Vector3* normal_at, double rebound) const {
@@ -49,6 +61,8 @@ Contact::Slide Contact::slide_along(const Within& within, std::int32_t surface, 
                               ? rotated_with(at, surface, candidate.start,
                                              candidate.start_velocity - Contact::velocity(*start_, j, candidate.start))
                               : candidate.start_velocity;
+  const bool arriving = h > 0.0 && rebound == 0.0 && arrives(candidate.node, surface);
+  const Vector3 free_start = candidate.start + (1.0 - theta) * h * candidate.start_velocity;
   Slide result;
   result.position = onto(at, j, candidate.position);
   bool sticks = false;
@@ -56,20 +70,24 @@ Contact::Slide Contact::slide_along(const Within& within, std::int32_t surface, 
   for (int i = 0; i < max_iterations; ++i) {
     const Vector3 place = normal_at != nullptr ? *normal_at : result.position;
     const Vector3 w = Contact::velocity(at, j, place), n = normal(at, j, place);
+    const double off = arriving ? n.dot((result.position - free_start) / (h * theta) - w) : rebound;
+    // The impulse that stops the node at the end of the step causes friction in it, too.
+    const double landing = arriving ? -mass_[candidate.node] * off : 0.0;
     const auto solve = [&] {
-      const Vector3 relative = candidate.velocity - w - rebound * n;
+      const Vector3 relative = candidate.velocity - w - off * n;
       return sweep.contacts != 0 ? solve_slipping(candidate.mobility(), relative, n, sliding_coefficient_of(friction),
-                                                  slip_[candidate.node])
-                                 : solve_contact(candidate.mobility(), relative, n, friction);
+                                                  slip_[candidate.node], landing)
+                                 : solve_contact(candidate.mobility(), relative, n, friction, landing);
     };
     ContactResponse reaction = solve();
     const double pressing = n.dot(reaction.impulse);
     if (reaction.sticks && friction.kind == Friction::Kind::coulomb &&
-        cone_margin(friction.coefficient, (1.0 + 1e-12) * pressing, (reaction.impulse - pressing * n).norm()) < 0.0) {
+        cone_margin(friction.coefficient, (1.0 + 1e-12) * pressing + landing,
+                    (reaction.impulse - pressing * n).norm()) < 0.0) {
       candidate = candidate.isotropic();
       reaction = solve();
     }
-    reaction.velocity += rebound * n;
+    reaction.velocity += off * n;
     result.normal = reaction.normal;
     result.impulse = reaction.impulse;
     result.slip = reaction.velocity;
@@ -80,6 +98,12 @@ Contact::Slide Contact::slide_along(const Within& within, std::int32_t surface, 
     if (h > 0.0) result.position = onto(at, j, from + h * ((1.0 - theta) * slipped + theta * rate));
     const bool same = obstacle.is_flat() && !obstacle.turns();
     if (same || (result.position - last).norm() <= 1e-14 * result.position.norm()) break;
+  }
+  if (arriving) {
+    const Vector3 w = Contact::velocity(at, j, result.position), n = normal(at, j, result.position);
+    result.lands = true;
+    result.landing = result.velocity - n * n.dot(result.velocity - w);
+    result.landing_impulse = mass_[candidate.node] * (result.landing - result.velocity);
   }
   result.touch = {surface, !sticks || rebound > 0.0};
   result.weakest = surface;

@@ -38,6 +38,7 @@ bool Contact::record_decision(std::uint32_t node, bool in_contact) {
 void Contact::decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces) {
   if (touch.surface >= 0) last_surface_[node] = touch.surface;
   sweep_impulse_[node] = impulse;
+  lands_[node] = 0;
   bounces_[node] = bounces ? 1 : 0;
   if (now(node) == touch) return;
   now_[node] = touch;
@@ -146,12 +147,24 @@ void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t
   // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
   const bool free_stay_free = obstacles_.empty() && sweep.constraint_force.x == nullptr;
   if (free_stay_free && !any_fixed_) return;
+  const bool keeps = sweep.contacts == SPRINGNET_AS_BEFORE, may_only_touch = sweep.contacts == SPRINGNET_MAY_TOUCH;
+  springnet_sweep deciding = sweep, keeping = sweep;
+  if (may_only_touch) deciding.contacts = 0;
+  keeping.contacts = 1;
   for (std::uint32_t k = first; k < first + count; ++k) {
     if (free_stay_free && fixed_[k] == 0) continue;
     if (constrain_fixed(end, k, sweep)) continue;
     if (cluster != nullptr && cluster[k] != no_cluster) continue;
+    const bool is_kept = (keeps || may_only_touch) && now(k).surface >= 0 && is_simple(k, now(k));
+    if (keeps && !is_kept) continue;
     put_force(sweep, k, Vector3::Zero());
-    const Within within{sweep, end};
+    if (is_kept) {
+      const Within within{keeping, end};
+      const Candidate candidate = candidate_of(within, k, read);
+      keep(within, k, may_only_touch ? stopped_by_friction(end, k, candidate) : now(k), candidate);
+      continue;
+    }
+    const Within within{deciding, end};
     if (!obstacles_.empty() && !keep_free(within, k)) constrain_node(within, k, read);
   }
 }
@@ -182,20 +195,25 @@ void Contact::constrain_node(const Within& within, std::uint32_t node, const Vec
     decide(node, {}, Vector3::Zero());
     return;
   }
+  const Candidate candidate = candidate_of(within, node, read);
+  if (!decides)
+    keep(within, node, committed(node), candidate);
+  else if (committed(node).surface < 0 || !try_to_keep(within, node, candidate))
+    meet(within, node, candidate);
+}
+
+Contact::Candidate Contact::candidate_of(const Within& within, std::uint32_t node, const Vector3* read) const {
+  const springnet_sweep& sweep = within.sweep;
   const Matrix3 inertia = sweep.inertia == nullptr
                               ? Matrix3(mass_[node] * Matrix3::Identity())
                               : Matrix3(Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}));
-  const Candidate candidate{node,
-                            start,
-                            vector_at(sweep.start_velocity, node),
-                            end,
-                            vector_at(sweep.next_velocity, node),
-                            inertia,
-                            read != nullptr ? *read : vector_at(sweep.velocity, node)};
-  if (!decides)
-    keep(within, node, candidate);
-  else if (committed(node).surface < 0 || !try_to_keep(within, node, candidate))
-    meet(within, node, candidate);
+  return {node,
+          vector_at(sweep.start_position, node),
+          vector_at(sweep.start_velocity, node),
+          vector_at(sweep.next_position, node),
+          vector_at(sweep.next_velocity, node),
+          inertia,
+          read != nullptr ? *read : vector_at(sweep.velocity, node)};
 }
 
 // The reaction over the step decides on release. A surface on which nodes slide never pulls, even after chatter.
@@ -237,20 +255,71 @@ bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candid
   return true;
 }
 
-void Contact::keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
-  const Touch& touch = committed(node);
+// Between decisions a slip that has turned round is over: friction would drive it.
+Touch Contact::stopped_by_friction(const Placement& at, std::uint32_t node, const Candidate& candidate) {
+  Touch touch = now(node);
+  const auto surface = static_cast<std::size_t>(touch.surface);
+  if (!touch.slides || touch.count() > 1 || obstacles_[surface].friction().kind == Friction::Kind::none) return touch;
+  const Vector3 slip = slip_vector(at, node, surface, candidate.position, candidate.velocity);
+  if (slip.dot(slip_[node]) < 0.0)
+    touch.slides = false;
+  else
+    slip_[node] = slip;
+  return touch;
+}
+
+void Contact::keep(const Within& within, std::uint32_t node, const Touch& touch, const Candidate& candidate) {
   if (touch.slides && touch.third >= 0) {
     set_outputs(within, node, at_vertex(within, touch, candidate));
     return;
   }
   if (!touch.slides) {
-    stop(within, node, touch, carried(within.at, candidate.start, touch.surface), candidate);
+    const Vector3 place = where_it_sticks(within, node, touch.surface, candidate);
+    const auto& rough = obstacles_[static_cast<std::size_t>(touch.surface)].friction();
+    if (arrives(node, touch.surface) && touch.count() == 1 && rough.kind == Friction::Kind::coulomb)
+      set_outputs(within, node, arrived_at(within, touch.surface, place, candidate));
+    else
+      stop(within, node, touch, place, candidate);
     return;
   }
   Slide on = touch.second >= 0 ? slide_along_edge(within, touch.surface, touch.second, candidate)
                                : slide_along(within, touch.surface, candidate);
   on.touch = touch;
   set_outputs(within, node, on);
+}
+
+Contact::Slide Contact::arrived_at(const Within& within, std::int32_t surface, const Vector3& place,
+                                   const Candidate& candidate) const {
+  const auto& [sweep, at] = within;
+  const double h = sweep.time_constant, theta = theta_of(sweep);
+  Slide result;
+  result.touch = {surface, false};
+  result.weakest = surface;
+  result.position = place;
+  result.velocity =
+      h > 0.0 ? Vector3((place - candidate.start - (1.0 - theta) * h * candidate.start_velocity) / (theta * h))
+              : velocity(at, static_cast<std::size_t>(surface), place);
+  result.impulse = candidate.inertia * (result.velocity - candidate.velocity);
+  result.normal = normal(at, static_cast<std::size_t>(surface), place).dot(result.impulse);
+  result.lands = true;
+  result.landing = velocity(at, static_cast<std::size_t>(surface), place);
+  result.landing_impulse = mass_[candidate.node] * (result.landing - result.velocity);
+  result.slip.setZero();
+  return result;
+}
+
+// Where slide_along() and meet() put a node that sticks.
+Vector3 Contact::where_it_sticks(const Within& within, std::uint32_t node, std::int32_t surface,
+                                 const Candidate& candidate) const {
+  const auto& [sweep, at] = within;
+  const Touch& before = committed(node);
+  if (before.surface == surface && !before.slides) return carried(at, candidate.start, surface);
+  const auto j = static_cast<std::size_t>(surface);
+  if (obstacles_[j].friction().kind == Friction::Kind::held)
+    return where_it_touched(at, sweep.time_constant, candidate.start, candidate.start_velocity, surface);
+  const Vector3 slipped =
+      rotated_with(at, surface, candidate.start, candidate.start_velocity - velocity(*start_, j, candidate.start));
+  return onto(at, j, carried(at, candidate.start, surface) + sweep.time_constant * (1.0 - theta_of(sweep)) * slipped);
 }
 
 // A chattering node can be off its surface by at most its path within the step. One that is farther away comes from
@@ -288,7 +357,9 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   if (meeting.surface >= 0 && is_separating(at, meeting.surface, path)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
   const bool stays_active = record_decision(node, meeting.surface >= 0);
-  if (meeting.surface < 0 && !stays_active) {
+  // Where nodes arrive, whether one meets the surface does not hang on how it is stopped there.
+  const bool chatter_holds = stays_active && (holds(last_surface_[node]) || !arrives(node, last_surface_[node]));
+  if (meeting.surface < 0 && !chatter_holds) {
     decide(node, {}, Vector3::Zero());
     return;
   }
@@ -344,7 +415,9 @@ void Contact::set_outputs(const Within& within, std::uint32_t node, const Slide&
   const springnet_sweep& sweep = within.sweep;
   const double weight = sweep.time_constant * theta_of(sweep);
   if (on.touch.slides && sweep.contacts == 0) slip_[node] = on.slip;
-  decide(node, on.touch, on.impulse, on.bounces);
+  decide(node, on.touch, on.impulse + on.landing_impulse, on.bounces);
+  lands_[node] = on.lands ? 1 : 0;
+  landing_[node] = on.landing;
   put_vector(sweep.next_position, node, on.position);
   put_vector(sweep.next_velocity, node, on.velocity);
   if (on.touch.slides && weight > 0.0) put_force(sweep, node, on.impulse / weight);

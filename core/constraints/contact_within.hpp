@@ -40,6 +40,9 @@ struct Contact::Slide {
   Vector3 position, velocity;  // m, m/s, at the end of the step
   Vector3 slip;                // m/s, relative to the surface
   bool bounces = false;
+  bool lands = false;  // its velocity becomes `landing`, m/s, at the commit
+  Vector3 landing = Vector3::Zero();
+  Vector3 landing_impulse = Vector3::Zero();  // N s
 };
 
 struct Contact::Within {

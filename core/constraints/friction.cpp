@@ -73,7 +73,7 @@ std::optional<Vector3> find_direction(const Vector3& n, const Vector3& start,
 }
 
 ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
-                              const Friction& friction) {
+                              const Friction& friction, double more) {
   if (!(n.dot(mobility * n) > 0.0)) return {relative, Vector3::Zero(), 0.0, false};
   const auto smooth = [&] {
     const double impulse = -n.dot(relative) / n.dot(mobility * n);
@@ -89,15 +89,17 @@ ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& re
   Vector3 tangential = stop - normal_impulse * n;
   if (friction.kind == Friction::Kind::held) return {Vector3::Zero(), stop, normal_impulse, true};
   ContactResponse without = smooth();
-  if (without.normal <= 0.0) return without;
-  if (normal_impulse > 0.0 && cone_margin(friction.coefficient, normal_impulse, tangential.norm()) >= 0.0)
+  if (without.normal <= 0.0 || without.normal + more <= 0.0) return without;
+  if (normal_impulse > 0.0 && cone_margin(friction.coefficient, normal_impulse + more, tangential.norm()) >= 0.0)
     return {Vector3::Zero(), stop, normal_impulse, true};
-  // Slip: impulse p (n - mu t), t the direction of the remaining slip. An anisotropic mobility lets the impulse turn t;
-  // with an isotropic one the first t is exact.
+  // Slip: impulse p n - mu (p + more) t, t the direction of the remaining slip. An anisotropic mobility lets the
+  // impulse turn t; with an isotropic one the first t is exact.
   const auto with = [&](const Vector3& t) {
     const Vector3 direction = n - friction.coefficient * t;
-    const double impulse = -n.dot(relative) / n.dot(mobility * direction);
-    return ContactResponse{relative + mobility * direction * impulse, direction * impulse, impulse, false};
+    const Vector3 known = -friction.coefficient * more * t;
+    const double impulse = -n.dot(relative + mobility * known) / n.dot(mobility * direction);
+    return ContactResponse{relative + mobility * direction * impulse + mobility * known, direction * impulse + known,
+                           impulse, false};
   };
   const auto slip_of = [&](const ContactResponse& answer) {
     return Vector3(answer.velocity - n * n.dot(answer.velocity));

@@ -44,8 +44,9 @@ struct ContactResponse {
 // The contact impulse on a node with velocity `relative` (m/s) to the surface without it, and `mobility` (1/kg,
 // symmetric positive definite). n: unit normal to the free side. The velocity along n becomes zero whatever the sign of
 // the impulse; the caller decides what a negative one means. Implicit Coulomb friction: the node sticks if an impulse
-// within the friction cone can stop it, else friction opposes the remaining slip.
+// within the friction cone can stop it, else friction opposes the remaining slip. more: N s, along n, of which friction
+// is, too, but not the velocity.
 [[nodiscard]] ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
-                                            const Friction& friction);
+                                            const Friction& friction, double more = 0.0);
 
 }  // namespace springnet

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "constraints/acceleration_gradients.hpp"
 #include "constraints/friction.hpp"
 #include "learning/surface_numbers.hpp"
 
@@ -100,6 +101,9 @@ class NodeOnSurfaces {
     return from + ((1.0 - step_.theta) * h_) * rate_before + (step_.theta * h_) * rate;
   }
 
+  // From where nodes go that nothing accelerates to P.
+  [[nodiscard]] Vector way() const { return end_ - p_ - ((1.0 - step_.theta) * h_) * v_; }
+
   // ---- ways to end a step ----
   [[nodiscard]] Output carried_by(std::int32_t surface) const {
     return {carried(surface, p_), at_end_.velocity(surface, end_)};
@@ -155,10 +159,13 @@ class NodeOnSurfaces {
     const Friction& rough = friction(j);
     const bool is_carried = rough.kind != Friction::Kind::none;
     const Vector w = at_end_.velocity(j, end_), n = normal(j, end_);
-    const Vector bounce = rebound(j) * n;
+    const Number off = how_.arrives ? dot(n, (1.0 / (step_.theta * h_)) * way() - w) : rebound(j);
+    const Vector bounce = off * n;
     const Vector relative = free_ - w - bounce;
     Vector left;  // relative velocity; none: it sticks
     const Number into = -dot(n, relative);
+    // With what stops the node at the end.
+    const Number pressing = how_.arrives ? into - off : into;
     if (rough.kind == Friction::Kind::none) {
       left = relative + into * n;
     } else if (rough.kind == Friction::Kind::coulomb && how_.kept) {
@@ -166,10 +173,10 @@ class NodeOnSurfaces {
     } else if (rough.kind == Friction::Kind::coulomb) {
       const Vector along = relative + into * n;
       const Number slip = length(along);
-      if (!(into.value > 0.0)) {
+      if (!(into.value > 0.0 && pressing.value > 0.0)) {
         left = along;
-      } else if (cone_margin(rough.coefficient, into.value, slip.value) < 0.0 && slip.value > 0.0) {
-        left = along - (rough.coefficient * into / slip) * along;
+      } else if (cone_margin(rough.coefficient, pressing.value, slip.value) < 0.0 && slip.value > 0.0) {
+        left = along - (rough.coefficient * pressing / slip) * along;
       }
     }
     const Vector rate = left + bounce;
@@ -279,6 +286,28 @@ class NodeOnSurfaces {
 };
 
 }  // namespace
+
+bool arrives(const Contact& contact, const StepContact& how) {
+  const Touch& touch = how.touch;
+  if (how.kept || touch.count() != 1 || how.before.has(touch.surface)) return false;
+  const Obstacle& obstacle = contact.obstacles()[index(touch.surface)];
+  return obstacle.friction().kind != Friction::Kind::held && !(obstacle.restitution() > 0.0);
+}
+
+// With the surface's velocity w, U = U_in - n (n . (U_in - w)).
+Arrival arrival_of(const Contact& contact, const StepPlacement& step, const StepContact& how,
+                   const NodeOverStep& node) {
+  const std::size_t j = index(how.touch.surface);
+  const Pose& pose = step.end.poses[j];
+  const Vector3 n = contact.normal(step.end, j, node.P), w = Contact::velocity(step.end, j, node.P);
+  const double weight = step.theta * step.h;
+  const Vector3 way = node.P - node.p - (1.0 - step.theta) * step.h * node.v;
+  const double off = n.dot(way / weight - w);
+  const Vector3 velocity = node.U + n * off, relative = velocity - w;
+  const Matrix3 turns = contact.obstacles()[j].curvature(pose, node.P), along = n * n.transpose();
+  return {how.node, velocity, along * velocity_by_position(pose) - turns * off - n * relative.transpose() * turns,
+          Matrix3::Identity() - along};
+}
 
 std::optional<OutputDerivative> output_derivative(const Contact& contact, const StepPlacement& step,
                                                   const StepContact& how, const NodeOverStep& node) {

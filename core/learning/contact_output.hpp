@@ -17,13 +17,23 @@ struct StepContact {
   Touch before, touch;     // committed at the start of the step; within it
   bool bounces = false;    // off those surfaces of `touch` that are new
   bool kept = false;       // no sweep decided: a slip goes on whatever the forces
+  // It ends the step with the velocity that takes it to the surface, which then stops it: see Contact::arrives.
+  bool arrives = false;
 };
+[[nodiscard]] bool arrives(const Contact& contact, const StepContact& how);
 
 // A node over a step from (p, v) to (P, U); m, m/s.
 struct NodeOverStep {
   Vector3 p, v;
   Vector3 free;  // V
   Vector3 P, U;
+};
+
+// A node that has arrived: its velocity in the step, m/s, and how that at the end follows it and P.
+struct Arrival {
+  std::uint32_t node;
+  Vector3 velocity;
+  Matrix3 by_position, by_velocity;  // 1/s, 1
 };
 
 struct StepPlacement {
@@ -38,6 +48,9 @@ struct OutputDerivative {
 };
 
 // None if no formula gives (P, U): the contact is of a kind that is not differentiated.
+// Of a node whose velocity at the end of the step is `node.U`; `free` is not read.
+[[nodiscard]] Arrival arrival_of(const Contact& contact, const StepPlacement& step, const StepContact& how,
+                                 const NodeOverStep& node);
 [[nodiscard]] std::optional<OutputDerivative> output_derivative(const Contact& contact, const StepPlacement& step,
                                                                 const StepContact& how, const NodeOverStep& node);
 

@@ -107,9 +107,16 @@ struct MotionDerivatives::Impl {
   }
   [[nodiscard]] springnet_evaluation end_of(const Step& step) {
     springnet_evaluation result = nodes_at(step.until);
+    if (!arrivals.empty()) {
+      const double* const v = end_velocity.data();
+      result.velocity = {v, v + nodes, v + 2 * nodes};
+    }
     result.internal = internal.stepped(step.until.time - step.from.time);
     return result;
   }
+  // What stops nodes that arrive at a surface in the step, of (dP, dU) with dU in the step; and the transpose.
+  void land(Eigen::VectorXd& of_positions, Eigen::VectorXd& of_velocities) const;
+  void land_transposed(Eigen::VectorXd& of_positions, Eigen::VectorXd& of_velocities) const;
   [[nodiscard]] springnet_evaluation nodes_at(const State& at) const {
     auto result = sdk::sized<springnet_evaluation>();
     result.time = at.time;
@@ -209,6 +216,8 @@ struct MotionDerivatives::Impl {
   void guess_weights();
   void set_engines(const Eigen::VectorXd& values);
   void set_for_step(std::size_t until);
+  // Nodes that arrive at a surface, and velocities in the step. Before end_of() of this step.
+  void find_arrivals(const Step& step);
   void find_outputs(const Step& step);
   [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
   [[nodiscard]] Engine& engine_of(const sdk::Host& of) { return &of == &host ? engine : constraints->engine(); }
@@ -235,6 +244,8 @@ struct MotionDerivatives::Impl {
   sdk::Host host;
   std::unique_ptr<learning::StepConstraints> constraints;
   learning::ConstrainedOutputs outputs;  // of a step
+  std::vector<learning::Arrival> arrivals;
+  Eigen::VectorXd end_velocity;  // m/s, in that step, if nodes arrive
   learning::StepSolver solver;
   double theta;
   learning::InternalStates internal;

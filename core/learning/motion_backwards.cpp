@@ -63,6 +63,8 @@ void MotionDerivatives::Impl::guess_weights() {
 //   x = F(dp, dv) + F(J^T m),   m - w F(J^T m) = w F(dp, dv) + pending.
 void MotionDerivatives::Impl::step_backwards(const Step& own) {
   begin_backwards(own);
+  find_arrivals(own);
+  land_transposed(dp, dv);
   const springnet_evaluation start = nodes_at(own.from), end = end_of(own);
   find_outputs(own);
   ByTime by_start;

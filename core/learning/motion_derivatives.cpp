@@ -9,6 +9,8 @@
 
 #include <springnet/error.hpp>
 
+#include "learning/node_vectors.hpp"
+
 namespace springnet {
 
 using Eigen::MatrixXd;
@@ -115,6 +117,33 @@ const sdk::Host& MotionDerivatives::Impl::host_at_start(std::size_t state, doubl
   return host;
 }
 
+void MotionDerivatives::Impl::find_arrivals(const Step& step) {
+  arrivals.clear();
+  if (!constraints || !constraints->any_within(step.number)) return;
+  arrivals = constraints->arrivals({step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v,
+                                    step.until.p, step.until.v, step.kept});
+  if (arrivals.empty()) return;
+  end_velocity = step.until.v;
+  for (const learning::Arrival& each : arrivals)
+    learning::add_to_node(end_velocity, each.node, each.velocity - learning::node_of(end_velocity, each.node));
+}
+
+void MotionDerivatives::Impl::land(VectorXd& of_positions, VectorXd& of_velocities) const {
+  for (const learning::Arrival& each : arrivals) {
+    const Vector3 before = learning::node_of(of_velocities, each.node);
+    const Vector3 after = each.by_velocity * before + each.by_position * learning::node_of(of_positions, each.node);
+    learning::add_to_node(of_velocities, each.node, after - before);
+  }
+}
+
+void MotionDerivatives::Impl::land_transposed(VectorXd& of_positions, VectorXd& of_velocities) const {
+  for (const learning::Arrival& each : arrivals) {
+    const Vector3 before = learning::node_of(of_velocities, each.node);
+    learning::add_to_node(of_positions, each.node, each.by_position.transpose() * before);
+    learning::add_to_node(of_velocities, each.node, each.by_velocity.transpose() * before - before);
+  }
+}
+
 // Where `host` has begun the step: what constraints make of it.
 void MotionDerivatives::Impl::find_outputs(const Step& step) {
   outputs.begin(nodes, step.c, step.w);
@@ -126,7 +155,7 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
     begin_step(step);
   }
   constraints->find_outputs({step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v,
-                             step.until.p, step.until.v, step.kept},
+                             step.until.p, arrivals.empty() ? step.until.v : end_velocity, step.kept},
                             free, outputs);
 }
 

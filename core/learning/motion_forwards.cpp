@@ -38,6 +38,7 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
     add_internal_at_start(of, start, step.c);
     begin_step(step);
   }
+  find_arrivals(step);
   const springnet_evaluation end = end_of(step);
   find_outputs(step);
   const bool timed = start_time_changes.size() > 0;
@@ -76,6 +77,12 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
     dvs.col(j) = other;
   }
   internal.end_step(end, dps, dvs);
+  for (Index j = 0; j < columns && !arrivals.empty(); ++j) {
+    product = dps.col(j);
+    other = dvs.col(j);
+    land(product, other);
+    dvs.col(j) = other;
+  }
 }
 
 // What changes of internal states at the start make of the accelerations there.

@@ -105,6 +105,26 @@ void StepConstraints::add_carried_transposed(const VectorXd& weights, VectorXd& 
   });
 }
 
+std::vector<Arrival> StepConstraints::arrivals(const Step& step) {
+  std::vector<Arrival> result;
+  Model& model = engine_.model();
+  const double h = step.until_time - step.from_time;
+  std::shared_ptr<const Placement> start, end;
+  for (StepContact& each : history_.within(step.until)) {
+    each.kept = step.kept;
+    const std::uint32_t k = each.node;
+    if (model.contact.fixed()[k] != 0 || is_rigid(k) || !arrives(model.contact, each)) continue;
+    if (!end) {
+      start = model.contact.at(just_after(step.from_time));
+      end = model.contact.at(just_before(step.until_time, h));
+    }
+    result.push_back(arrival_of(model.contact, {*start, *end, h, step.theta}, each,
+                                {node_of(step.p, k), node_of(step.v, k), Vector3::Zero(), node_of(step.P, k),
+                                 node_of(step.U, k)}));
+  }
+  return result;
+}
+
 void StepConstraints::find_outputs(const Step& step, const VectorXd& free, ConstrainedOutputs& outputs) {
   Model& model = engine_.model();
   const double h = step.until_time - step.from_time;
@@ -117,6 +137,7 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
     each.kept = step.kept;
     const std::uint32_t k = each.node;
     if (model.contact.fixed()[k] != 0 || is_rigid(k)) continue;
+    each.arrives = arrives(model.contact, each);
     const NodeOverStep node{node_of(step.p, k), node_of(step.v, k), node_of(free, k), node_of(step.P, k),
                             node_of(step.U, k)};
     const auto derivative = output_derivative(model.contact, placement, each, node);

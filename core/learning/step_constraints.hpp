@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -52,7 +53,10 @@ class StepConstraints {
     const Eigen::VectorXd &p, &v, &P, &U;
     bool kept = false;  // contacts, which no sweep has decided
   };
-  // Throws Error(simulation) for a contact that is not differentiated, with its node and time.
+  // Nodes that arrive at a surface in a step; U is that at its end.
+  [[nodiscard]] std::vector<Arrival> arrivals(const Step& step);
+  // U: in the step, of nodes that arrive. Throws Error(simulation) for a contact that is not differentiated, with its
+  // node and time.
   void find_outputs(const Step& step, const Eigen::VectorXd& free, ConstrainedOutputs& outputs);
 
   // Of accelerations without constraints, [3 node], where the host was linearised: what these make of them; or the

@@ -47,7 +47,9 @@ class ConstrainedResponse::OnSurfaces {
       const Matrix3 h = contact_.obstacles()[j].curvature(pose, p_);
       direction_gradients.push_back(h);
       const double mu = friction_of(model, surface(i));
-      if (mu == 0.0) continue;
+      // Of the holding ones, a lone node only bounces off.
+      const bool holds = lone && contact_.obstacles()[j].friction().kind == Friction::Kind::held;
+      if (mu == 0.0 || holds) continue;
       Vector3 against = contact_.slip_direction(at_, node, j, p_, v_);
       // The direction of the edge of two surfaces counts as constant.
       const Vector3 slip = contact_.slip_vector(at_, node, j, p_, v_);
@@ -109,7 +111,7 @@ class ConstrainedResponse::OnSurfaces {
 };
 
 springnet_status ConstrainedResponse::find(Model& model, ReactionsAt& reactions) {
-  known_ = false;
+  known_ = has_friction_ = false;
   model_ = &model;
   lone_.clear();
   own_forces_.clear();
@@ -145,6 +147,7 @@ void ConstrainedResponse::find_lone(const ReactionsAt& reactions, std::uint32_t 
                                     const Vector3& constrained) {
   OnSurfaces on(*model_, reactions, k, free, true);
   if (on.normals.cols() == 1 && !(on.normals.col(0).dot(added_[k]) > 0.0)) on.drop_friction();
+  has_friction_ = has_friction_ || on.directions != on.normals;
   const Eigen::VectorXd x = on.multipliers(added_[k]);  // m/s^2
   const Eigen::MatrixXd square = on.normals.transpose() * on.directions;
   // D (G D)^-1
@@ -234,6 +237,14 @@ void ConstrainedResponse::apply(bool transposed, double* values) {
   factorise();
   apply_clusters(transposed, values);
   clear_held();
+}
+
+void ConstrainedResponse::take_reactions(double* forces) const {
+  // Forces and accelerations of a node without rigid connections are parallel.
+  for (const Lone& each : lone_) {
+    Eigen::Map<Vector3> force(forces + 3 * std::size_t{each.node});
+    force = (each.response * force).eval();
+  }
 }
 
 // G W D x = G W G^T x - U E^T x.

@@ -40,6 +40,10 @@ class ConstrainedResponse {
   // The same transposed, of weights: before apply(true, …), and of its answer.
   void add_rates_transposed(const double* weights, double* by_position, double* by_velocity);
   void add_forces_transposed(const double* weights, double* by_position) const;
+  // Whether friction acts on nodes without rigid connections that slide; takes out of forces, N, what surfaces balance
+  // of those on them, with the friction that this causes; [node][3].
+  [[nodiscard]] bool has_friction() const noexcept { return has_friction_; }
+  void take_reactions(double* forces) const;
   // What constraints add to the acceleration of a node that can move, m/s^2; 0 where it has no rows.
   [[nodiscard]] const Vector3& added(std::uint32_t node) const { return added_[node]; }
 
@@ -70,7 +74,7 @@ class ConstrainedResponse {
   template <class Add>
   void for_each_change(const Eigen::VectorXd& multipliers, const Add& add) const;
 
-  bool known_ = false;
+  bool known_ = false, has_friction_ = false;
   const Model* model_ = nullptr;
   std::vector<Vector3> added_;  // [node]
   std::vector<Lone> lone_;

@@ -52,7 +52,7 @@ void LinearModel::forget() noexcept {
   topology_changed();
 }
 
-springnet_status LinearModel::linearise(const springnet_evaluation& at, double elimination) {
+springnet_status LinearModel::linearise(const springnet_evaluation& at, double elimination, double of_step) {
   sweep_.reset();
   response_.forget();
   at_hand_ = false;
@@ -69,10 +69,10 @@ springnet_status LinearModel::linearise(const springnet_evaluation& at, double e
     elimination_.begin(node_arrays(at.position, at.velocity, internal), elimination, internal);
   const springnet_status status = blocks_.update(at.time, node_arrays(at.position, at.velocity, internal),
                                                  model_.external_at(at.time), model_.journal.message);
-  return status == SPRINGNET_OK ? add_constraints(at) : status;
+  return status == SPRINGNET_OK ? add_constraints(at, of_step) : status;
 }
 
-springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
+springnet_status LinearModel::add_constraints(const springnet_evaluation& at, double of_step) {
   const ConstraintSet& constraints = model_.constraints;
   std::optional<ReactionsAt> reactions;
   const auto known = [&]() -> ReactionsAt& {
@@ -94,8 +94,10 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at) {
   if (const springnet_status status = response_.find(model_, known()); status != SPRINGNET_OK) return status;
   for (const ConstraintRow& row : constraints.rows()) {
     if (!constraints.friction_follows_slip(row)) continue;
-    Vector3 reaction;
-    if (const springnet_status status = known().of(row.first, reaction); status != SPRINGNET_OK) return status;
+    Vector3 reaction = Vector3::Zero();
+    if (of_step > 0.0 && !model_.rigid.any()) reaction = model_.contact.sweep_impulse(row.first) / of_step;
+    if (reaction.isZero(0.0))
+      if (const springnet_status status = known().of(row.first, reaction); status != SPRINGNET_OK) return status;
     blocks_.add_to_velocity_block(
         row.first, constraints.friction_derivative(known().placement(), row, at.position, at.velocity, reaction));
   }
@@ -211,7 +213,8 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   if (request.at != nullptr) {
     if (request.exact == 0 && prepare_matrix_free(*request.at, weights)) return SPRINGNET_OK;
     begin_system(weights);
-    if (const springnet_status status = linearise(*request.at, 0.0); status != SPRINGNET_OK) return status;
+    if (const springnet_status status = linearise(*request.at, 0.0, weights.velocity); status != SPRINGNET_OK)
+      return status;
   }
   begin_system(weights);
   assemble();
@@ -289,7 +292,9 @@ void LinearModel::assemble() {
   const std::size_t n = model_.mass.size();
   solver_.prepare(system_, is_thin() ? Kind::factors : Kind::blocks, {at, at + n, at + 2 * n},
                   [&](const std::vector<double>& mobility) {
-                    return rows ? model_.constraints.projection(mobility) : layers::Projection();
+                    layers::Projection made = rows ? model_.constraints.projection(mobility) : layers::Projection();
+                    if (has_friction()) made.reactions = [this](double* forces) { response_.take_reactions(forces); };
+                    return made;
                   });
   right_side_.assign(3 * model_.mass.size() + 1, 0.0);
   solution_.assign(3 * model_.mass.size() + 1, 0.0);
@@ -327,7 +332,7 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   const bool may_factorise = at_hand_ && n <= max_nodes_factorised;
   if (may_factorise && factors_.owner == Factors::Owner::system) return solve_directly(request, b);
   // Conjugate gradients where the matrix is as good as symmetric, for the accuracy asked for.
-  const bool symmetric = !indefinite_ && system_.asymmetry() <= symmetric_share * request.accuracy;
+  const bool symmetric = !indefinite_ && !has_friction() && system_.asymmetry() <= symmetric_share * request.accuracy;
   const auto solve = [&](bool by_conjugate_gradients) {
     return solver_.solve(system_, by_conjugate_gradients, request.accuracy,
                          may_factorise && is_thin() ? patience : max_solver_iterations, right_side_, solution_);

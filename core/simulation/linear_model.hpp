@@ -25,7 +25,7 @@ class LinearModel {
   ~LinearModel();
 
   // Computes the derivatives at a state, for the functions below. Statuses and messages as in springnet_host.
-  springnet_status linearise(const springnet_evaluation& at, double elimination);
+  springnet_status linearise(const springnet_evaluation& at, double elimination, double of_step = 0.0);
   // See springnet_internal_change.
   springnet_status change_internal(const springnet_internal_change& request);
   // Whether there are derivatives: nothing has been removed from the network since.
@@ -76,7 +76,7 @@ class LinearModel {
  private:
   // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
   // need both: they are stiff where tensions are great or slips slow.
-  springnet_status add_constraints(const springnet_evaluation& at);
+  springnet_status add_constraints(const springnet_evaluation& at, double of_step);
   // Lets the constraints follow the state, if it comes to that.
   [[nodiscard]] bool may_be_matrix_free(const springnet_evaluation& at);
   // Whether the preconditioner of the matrix-free solver is good enough for the net.
@@ -86,6 +86,11 @@ class LinearModel {
   // The state at which a matrix-free system was prepared, in case that its solution stalls and it has to be assembled.
   void keep_state(const springnet_evaluation& at);
   springnet_status assemble_kept();
+  // Whether systems have friction that follows the reactions of surfaces. With rigid connections it follows from sweep
+  // to sweep.
+  [[nodiscard]] bool has_friction() const noexcept {
+    return response_.known() && response_.has_friction() && !model_.rigid.any();
+  }
   void begin_system(const layers::SystemWeights& weights);
   void assemble();  // with the derivatives at hand
   // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.

@@ -87,7 +87,7 @@ springnet_status Engine::run_sweep(const springnet_sweep& sweep) { return sweep_
 
 springnet_status Engine::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
-  const bool of_verlet = sweep.contacts > 1;
+  const bool of_verlet = sweep.contacts == 2 || sweep.contacts == 3;
   return of_verlet ? constrain_verlet(model_, sweep, verlet_) : sweep_.constrain(sweep);
 }
 
@@ -164,6 +164,7 @@ springnet_status Engine::commit(double time, State& state) {
 springnet_status Engine::commit_sweeps(const State& before) {
   const profile::Stage stage("impulses");
   sweep_.forget();
+  if (sweep_.done().decided && model_.contact.land(model_.state.view.velocity)) model_.stale.forces = true;
   return ledger_.commit(sweep_.done(), before);
 }
 

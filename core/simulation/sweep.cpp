@@ -75,13 +75,19 @@ springnet_status Sweep::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   note_done(sweep);
+  model_.constraints.remember_contacts(sweep);
   model_.constraints.constrain(*at, 0, model_.node_count(), sweep);
-  return model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), model_.journal.message);
+  springnet_sweep of_clusters = sweep;
+  if (of_clusters.contacts == SPRINGNET_MAY_TOUCH) of_clusters.contacts = 0;
+  const springnet_status status =
+      model_.constraints.constrain_clusters(*at, of_clusters, model_.evaluator.threads(), model_.journal.message);
+  if (status == SPRINGNET_OK) model_.constraints.limit_changes(*at, sweep);
+  return status;
 }
 
 void Sweep::note_done(const springnet_sweep& sweep) noexcept {
   const double weight = sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0);
-  done_ = {true, sweep.contacts == 0, weight, sweep.time_constant - weight};
+  done_ = {true, sweep.contacts != 1, weight, sweep.time_constant - weight};
 }
 
 // Forces on a node at the newest outputs.

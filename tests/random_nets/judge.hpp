@@ -99,16 +99,23 @@ class Judge {
     elements_alive_ = live_elements(simulation);
     start_forces_ = plain_forces(network_, start_, alive_, elements_alive_);
     held_.resize(network_.nodes().size());
-    for (NodeIndex k = 0; k < held_.size(); ++k) held_[k] = simulation.held(k);
+    touched_.resize(network_.nodes().size());
+    for (NodeIndex k = 0; k < held_.size(); ++k) {
+      held_[k] = simulation.held(k);
+      touched_[k] = simulation.touching(k);
+    }
     if (theta_ < 1.0) find_start_acceleration(simulation);
   }
 
   [[nodiscard]] double end(const Simulation& simulation) const {
     const double tolerance = reached(simulation);
     PlainState state = state_of(simulation);
-    double worst = memory(state);
+    const PlainState within = within_step(simulation, state);
+    double worst = memory(state, within);
     advance_memory(network_, start_, state, time_step_, theta_ < 1.0 ? 2 : 1);
-    const std::vector<Vector3> forces = plain_forces(network_, state, alive_, elements_alive_);
+    PlainState moved = within;
+    advance_memory(network_, start_, moved, time_step_, theta_ < 1.0 ? 2 : 1);
+    const std::vector<Vector3> forces = plain_forces(network_, moved, alive_, elements_alive_);
     std::vector<Vector3> residual(forces.size());
     std::vector<Kind> kinds;
     for (NodeIndex k = 0; k < forces.size(); ++k) {
@@ -129,6 +136,7 @@ class Judge {
       if (counts[k]) worst = std::max(worst, residual[k].norm() / bound);
       if (kinds[k] != Kind::touching || rigid_[k]) continue;
       worst = std::max(worst, against_floor(residual[k]) / bound);
+      if (theta_ == 1.0) worst = std::max(worst, against_slip(simulation, k, residual[k], state) / bound);
       worst = std::max(worst, jump(k, state.position[k], forces[k]));
     }
     if (theta_ == 1.0) worst = std::max(worst, bodies_on_floor(state, forces, kinds));
@@ -136,6 +144,17 @@ class Judge {
   }
 
  private:
+  // The outputs that springs read: a node that has reached the floor has the velocity that took it there, which the
+  // end of the step then stops. A holding floor stops it within the step.
+  [[nodiscard]] PlainState within_step(const Simulation& simulation, PlainState state) const {
+    for (NodeIndex k = 0; k < state.velocity.size() && !network_.planes().empty(); ++k) {
+      const bool arrives = simulation.touching(k) && !touched_[k] && !rigid_[k] && !is_prescribed(k);
+      if (!arrives || network_.planes()[0].friction.kind == Friction::Kind::held) continue;
+      const double way = state.position[k].z() - start_.position[k].z();
+      state.velocity[k].z() = (way / time_step_ - (1.0 - theta_) * start_.velocity[k].z()) / theta_;
+    }
+    return state;
+  }
   [[nodiscard]] bool is_prescribed(NodeIndex k) const {
     return network_.nodes()[k].fixed || std::find(moved_.begin(), moved_.end(), k) != moved_.end();
   }
@@ -203,8 +222,8 @@ class Judge {
     }
   }
   // Internal states at the end, which their laws determine from those at the start.
-  [[nodiscard]] double memory(const PlainState& state) const {
-    PlainState own = state;
+  [[nodiscard]] double memory(const PlainState& state, const PlainState& within) const {
+    PlainState own = within;
     advance_memory(network_, start_, own, time_step_, theta_ < 1.0 ? 2 : 1);
     double worst = 0.0;
     const auto compare = [&](const std::vector<double>& found, const std::vector<double>& expected,
@@ -235,6 +254,16 @@ class Judge {
     if (friction.kind == Friction::Kind::held) return 0.0;
     const double pull = std::max(0.0, -force.z()), along = force.head<2>().norm();
     return std::max(pull, along - friction.coefficient * std::max(0.0, force.z()));
+  }
+  // Distance of the friction on a node that slips from that which Coulomb's law says, N.
+  [[nodiscard]] double against_slip(const Simulation& simulation, NodeIndex k, const Vector3& force,
+                                    const PlainState& state) const {
+    const Friction& friction = network_.planes()[0].friction;
+    const Eigen::Vector2d slip = state.velocity[k].head<2>();
+    constexpr double certain = 1e-6;  // m/s
+    if (friction.kind != Friction::Kind::coulomb || simulation.held(k) || slip.norm() < certain) return 0.0;
+    const double limit = friction.coefficient * std::max(0.0, force.z());
+    return (force.head<2>() + limit * slip.normalized()).norm();
   }
   // The floor's force on a rigid body as a whole, in which tensions cancel: no pull, and friction within its cone.
   [[nodiscard]] double bodies_on_floor(const PlainState& state, const std::vector<Vector3>& forces,
@@ -345,7 +374,7 @@ class Judge {
   PlainState start_;
   std::vector<Vector3> start_forces_;
   std::vector<Vector3> start_acceleration_;  // theta below 1
-  std::vector<bool> alive_, elements_alive_, rigid_, held_, knows_start_;
+  std::vector<bool> alive_, elements_alive_, rigid_, held_, touched_, knows_start_;
   std::vector<NodeIndex> cluster_;
 };
 

@@ -39,6 +39,7 @@ void IterativeSolver::prepare(const BlockSystem& system, BlockPreconditioner::Ki
   preconditioner_.set(system, kind, threads_);
   projection_ = make_projection(preconditioner_.inverse_blocks());
   if (projection_.impulse) impulses_.resize(3 * nodes_ + 1);
+  if (projection_.reactions) balanced_.resize(3 * nodes_ + 1);
   inverse_mass_.resize(nodes_);
   for (std::size_t k = 0; k < nodes_; ++k) inverse_mass_[k] = 1.0 / system.mass()[k];
   work_.resize(vectors);
@@ -175,6 +176,11 @@ void IterativeSolver::product(Team& team, const double* p, double* q) {
 
 void IterativeSolver::precondition(Team& team, const double* r, double* z) {
   const bool constrained = projection_.change != nullptr;
+  if (projection_.reactions) {  // one thread
+    std::copy(r, r + 3 * nodes_, balanced_.begin());
+    projection_.reactions(balanced_.data());
+    r = balanced_.data();
+  }
   if (preconditioner_.kind() == BlockPreconditioner::Kind::blocks) {
     // Q^T may be left out: Q W = W Q^T, and Q Q = Q.
     preconditioner_.apply(kernels_, nodes_of(team), r, z);

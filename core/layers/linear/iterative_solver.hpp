@@ -80,6 +80,7 @@ class IterativeSolver {
   CoarseSpace coarse_;
   Projection projection_;
   std::vector<double> impulses_;  // projected
+  std::vector<double> balanced_;  // forces without what reactions balance
   std::vector<double> inverse_mass_;
   std::vector<std::vector<double>> work_;
   TeamSum sum_;

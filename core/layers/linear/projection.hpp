@@ -10,6 +10,9 @@ struct Projection {
   std::function<void(double* values)> change;
   // Impulses, N s: Q^T r.
   std::function<void(double* values)> impulse;
+  // Takes out of forces, N, what reactions balance, with the friction that these cause; null: there is no friction, and
+  // Q^T does. The system then is not symmetric.
+  std::function<void(double* values)> reactions;
 };
 
 }  // namespace springnet::layers

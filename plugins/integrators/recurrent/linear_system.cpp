@@ -12,6 +12,7 @@ constexpr double same_weight = 1e-9;
 
 void LinearSystem::attach(const springnet_network& network) {
   constrained_ = network.surface_count > 0 || network.rigid_count > 0;
+  has_true_friction_ = network.rigid_count == 0;  // as in the host's systems
   prepared_ = false;
 }
 
@@ -29,7 +30,7 @@ bool LinearSystem::has(double weight, double shift) const noexcept {
 }
 
 void LinearSystem::project(std::vector<double>& values) const {
-  if (constrained_) host_.project(nullptr, values.data());
+  if (constrained_) host_.project(nullptr, values.data(), has_true_friction_ ? SPRINGNET_TRUE_FRICTION : 0);
 }
 
 bool LinearSystem::solve(const std::vector<double>& b, double accuracy, std::vector<double>& x) {

@@ -32,6 +32,7 @@ class LinearSystem {
   static constexpr double max_useful_residual = 0.5;
 
   sdk::Host host_;
+  bool has_true_friction_ = false;
   bool constrained_ = false;
   bool prepared_ = false;  // with the weights below
   bool truncated_ = false;

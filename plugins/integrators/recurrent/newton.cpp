@@ -208,6 +208,7 @@ void Newton::evaluate_candidate(const Step& step, double share, const springnet_
   try {
     work_.evaluate(step, candidate);
     work_.free_accelerations(step);
+    refresh_friction(step, candidate, step.outputs);
     assess(step, candidate, at_candidate_);
   } catch (const sdk::Failure& failure) {
     if (!failure.recoverable()) throw;
@@ -327,6 +328,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
 void Newton::sweep(Step& step) {
   if (guessed_ && step.sweeps >= patience_with_guess) start_again(step);
   std::uint64_t changes = contact_changes_;
+  const double norm_before = at_outputs_.norm;
   for (int tries = 1;; ++tries) {
     springnet_state& start = *step.outputs;
     springnet_state& candidate = work_.state_beside(&start);
@@ -354,6 +356,10 @@ void Newton::sweep(Step& step) {
     linearised_ = fresh_ = false;
     shift_ = std::max(first_shift, shift_growth * shift_);
   }
+  // Friction may have turned with the slips. That of rigid clusters follows the sweeps, which renewing does not help.
+  const bool switched = last_switch_ == step.sweeps;
+  if (!switched && norm_before > 0.0 && step.network.rigid_count == 0)
+    rate_ = std::max(rate_, at_outputs_.norm / norm_before);
   step.residual = residual(step);
   step.norm = at_outputs_.norm;
   step.rate = rate_;

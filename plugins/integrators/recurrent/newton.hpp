@@ -55,8 +55,20 @@ class Newton final : public Rule {
   void settle_prescribed(Step& step);
   // Constrains the newest outputs, assessed in at_outputs_, and decides contacts. Does not change the state `before`.
   void settle(Step& step, const springnet_state* before);
+  [[nodiscard]] bool waits_with_releases(const Step& step, const springnet_state* before) const;
+  // After the host moved nodes onto surfaces or off them, from the outputs to `next`: lets all others follow, as the
+  // derivatives at the outputs say, unless the residual is smaller without. Where nodes have moved alone a stiff net is
+  // deformed so much that derivatives there lead astray. False: the system could not be solved; `next` is unchanged.
+  // Else it is evaluated and assessed in at_outputs_. Does not change the state `before`.
+  [[nodiscard]] bool follow(Step& step, springnet_state& next, const springnet_state* before);
+  [[nodiscard]] bool solve_to_follow(const Step& step, springnet_state& next);
+  void swap_plain(springnet_state& next);
+  // Sets the constraint forces of nodes without rigid connections to those of these outputs, with the contacts as they
+  // are. Does not change the state `before`.
+  void refresh_friction(const Step& step, const springnet_state& state, const springnet_state* before);
   // Outputs of nodes on surfaces without constraints, on which the host bases its decisions.
-  void unconstrain_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free);
+  // keeps: nodes that slide stay where they are.
+  void unconstrain_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free, bool keeps);
   bool find_pinned(const Step& step);
   [[nodiscard]] double residual(const Step& step) const;  // N
   // Sets the right side, and the derivatives unless those of an earlier sweep are good enough.
@@ -114,10 +126,13 @@ class Newton final : public Rule {
   std::vector<double> right_side_, direction_;  // [3n] b, delta
   std::vector<double> uncorrected_, correction_;   // [3n] delta before restore(), and its correction
   std::vector<double> gap_, work_values_;          // [3n] (p* + w U - P) / w
+  std::vector<double> plain_;                      // [6n] U, then P, of a state without following
   std::vector<std::uint32_t> contacts_;            // nodes in contact, held or sliding
   Columns contact_acceleration_;                   // [contacts] without constraints, m/s^2
   std::vector<double> inertia_;                    // [n][3][3] kg, effective mass for the host's corrections
   std::vector<double> by_velocity_, by_position_;  // [n][3][3], of contact_acceleration_
+  std::uint64_t last_switch_ = 0;                  // sweep of the step that changed contacts
+  double norm_at_change_ = 0.0;                    // of the residual, kg^1/2 m/s, after the last of these
   std::uint64_t contact_changes_ = 0;              // sweeps of the step that changed contacts
 };
 

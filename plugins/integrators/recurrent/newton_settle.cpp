@@ -15,6 +15,14 @@ namespace {
 constexpr double negligible = 1e-14;
 // To test for separation, held nodes may be moved at least this far, in units of the length scale.
 constexpr double min_move_limit = 1e-3;
+// After so many sweeps of a step that change contacts, those there are stay until the residual is this share of what
+// the last change left of it.
+constexpr std::uint64_t patience_with_releases = 3;
+constexpr double share_of_change = 0.05;
+constexpr double settling_margin = 10.0;
+constexpr std::uint64_t max_sweeps_between = 5;
+// Of its own way that a node goes which slides whatever the forces.
+constexpr double share_of_kept = 1e-3;
 // After this many sweeps of a step that change contacts, held nodes stay where they are.
 constexpr std::uint64_t patience = 6;
 
@@ -32,6 +40,16 @@ bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t 
 }
 
 }  // namespace
+
+// Contacts that outputs far from the solution would release or turn into slips stay for now.
+bool Newton::waits_with_releases(const Step& step, const springnet_state* before) const {
+  const springnet_network& network = step.network;
+  if (network.surface_count == 0 || network.rigid_count > 0 || before == nullptr || !step.decides || step.waits)
+    return false;
+  return contact_changes_ >= patience_with_releases && step.sweeps < last_switch_ + max_sweeps_between &&
+         at_outputs_.norm > share_of_change * norm_at_change_ &&
+         greatest_force(step, at_outputs_.residual) > settling_margin * step.tolerance;
+}
 
 bool Newton::is_partly_constrained(const Step& step, std::size_t node) const noexcept {
   const springnet_network& network = step.network;
@@ -66,10 +84,12 @@ void Newton::settle(Step& step, const springnet_state* before) {
       if (network.cluster[k] == no_node) next_p[axis][k] = start[axis][k] + step.weight() * next_u[axis][k];
     }
   }
-  if (network.surface_count > 0) unconstrain_contacts(step, outputs, next);
+  const bool is_early = waits_with_releases(step, before);
+  if (network.surface_count > 0) unconstrain_contacts(step, outputs, next, is_early);
   springnet_sweep call = work_.sweep_call(step, outputs, next);
   call.force = outputs.force;
   if (network.surface_count > 0) call.inertia = inertia_.data();
+  if (is_early) call.contacts = SPRINGNET_MAY_TOUCH;
   work_.host.constrain(call);
   was_pinned_ = pinned_;
   const bool switched = find_pinned(step);
@@ -86,8 +106,12 @@ void Newton::settle(Step& step, const springnet_state* before) {
   }
   const bool changed = differ(next.position, outputs.position, n) || differ(next.velocity, outputs.velocity, n);
   if (changed) {
-    work_.evaluate(step, next);
-    work_.free_accelerations(step);
+    const bool may_follow =
+        switched && network.rigid_count == 0 && before != nullptr && std::isfinite(at_outputs_.norm);
+    if (!may_follow || !follow(step, next, before)) {
+      work_.evaluate(step, next);
+      work_.free_accelerations(step);
+    }
     step.outputs = &next;
   }
   if (network.rigid_count > 0) linearise(step);
@@ -97,6 +121,10 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (switched && network.rigid_count == 0) linearised_ = false;
   assess(step, *step.outputs, at_outputs_);
   if (switched) rate_ = 1.0;
+  if (switched || before == nullptr) {
+    norm_at_change_ = at_outputs_.norm;
+    last_switch_ = step.sweeps;
+  }
 }
 
 void Newton::settle_prescribed(Step& step) {
@@ -123,7 +151,8 @@ bool Newton::find_pinned(const Step& step) {
   return switched;
 }
 
-void Newton::unconstrain_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free) {
+void Newton::unconstrain_contacts(const Step& step, const springnet_state& outputs, const springnet_state& free,
+                                  bool keeps) {
   const springnet_network& network = step.network;
   const double w = step.weight();
   for (const std::uint32_t k : contacts_)
@@ -166,6 +195,11 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
         change *= share;
         inertia /= share;  // keeps the impulse that holds it
       }
+    }
+    if (!rigid && !is_pinned && keeps) {
+      // The system has moved all nodes as their friction was: it is to be that of these outputs.
+      change *= share_of_kept;
+      inertia /= share_of_kept;
     }
     inertia *= network.mass[k];
     const Eigen::Vector3d u = node.velocity + change;

@@ -71,6 +71,8 @@ class Workspace {
   // Accelerations of the last evaluate(): of the constrained motion; and without constraints (after residual()).
   [[nodiscard]] const Columns& acceleration() const noexcept { return acceleration_; }
   [[nodiscard]] const Columns& free_acceleration() const noexcept { return free_acceleration_; }
+  // Of the last evaluate(), of all nodes, without constraints.
+  [[nodiscard]] const Columns& unconstrained() const noexcept { return unconstrained_; }
   // A node with spurious contact: held by a surface that it did not touch at the start, and that its start velocity and
   // force do not take it to. Diverging sweeps cause this. no_node: there is none.
   [[nodiscard]] std::uint32_t spurious_contact(const Step& step);

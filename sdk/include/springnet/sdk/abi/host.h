@@ -481,11 +481,13 @@ typedef struct springnet_host {
   springnet_status (*commit)(void* context, const springnet_commitment* commitment);
 
   /* The end of a sweep by itself: constrains the outputs `next` by fixation, surfaces and rigid connections. `force` is
-   * read: net forces at (position, velocity), N. No update is called. Also contact in the two parts of a velocity
-   * Verlet step, by `contacts`. 2, the drift: `force` is that at the start, next_velocity v + h/2 a and next_position
-   * p + h (v + h/2 a). Nodes in contact, and those rigidly connected to them, are corrected; `status` then tells which
-   * nodes are in contact. 3, the kick, once after the drift: `force` is that at next_position, next_velocity the
-   * velocity at the end, corrected likewise; contacts are made and released. */
+   * read: net forces at (position, velocity), N. No update is called. Where nodes decided their contacts in an earlier
+   * call of the step, only those may change that a decision moves farthest, so that decisions of many nodes do not run
+   * in a circle; `status` differs from that before as long as others want to change. Also contact in the two parts of a
+   * velocity Verlet step, by `contacts`. 2, the drift: `force` is that at the start, next_velocity v + h/2 a and
+   * next_position p + h (v + h/2 a). Nodes in contact, and those rigidly connected to them, are corrected; `status`
+   * then tells which nodes are in contact. 3, the kick, once after the drift: `force` is that at next_position,
+   * next_velocity the velocity at the end, corrected likewise; contacts are made and released. */
   springnet_status (*constrain)(void* context, const springnet_sweep* sweep);
   springnet_status (*project)(void* context, const springnet_projection* projection);
   springnet_status (*project_state)(void* context, const springnet_state_projection* projection);

@@ -138,6 +138,12 @@ typedef struct springnet_node_batch {
 } springnet_node_batch;
 typedef springnet_status (*springnet_node_update)(void* user, const springnet_node_batch* batch);
 
+/* 2.1: springnet_sweep::contacts in `constrain`. */
+enum {
+  SPRINGNET_MAY_TOUCH = 4, /* free nodes may touch, and slips that have turned round end; other contacts stay */
+  SPRINGNET_AS_BEFORE = 5  /* contacts stay as the sweep before left them */
+};
+
 /* One sweep of the recurrent network: springs read (position, velocity); each node's update writes its new outputs;
  * the host then applies fixation, prescribed motion and contact to the outputs.
  * Without an order all springs are evaluated before any output is replaced: `next` must differ from (position,
@@ -174,7 +180,7 @@ typedef struct springnet_sweep {
    * held. Null: not wanted. */
   springnet_vectors constraint_force;
   uint32_t contacts; /* 0: the sweep decides which nodes stick, slide and separate; 1: they stay as committed, for
-                        methods that locate such events in time; 2 and 3: see constrain */
+                        methods that locate such events in time; 2 to 5: see constrain */
   uint32_t reserved;
   /* With an order; 1: the update takes lists of nodes (springnet_node_batch::nodes), too, and the host may
    * choose any order that gives the same outputs as `order`. Of several nodes whose law fails it may name another one
