@@ -118,9 +118,9 @@ std::vector<Arrival> StepConstraints::arrivals(const Step& step) {
       start = model.contact.at(just_after(step.from_time));
       end = model.contact.at(just_before(step.until_time, h));
     }
-    result.push_back(arrival_of(model.contact, {*start, *end, h, step.theta}, each,
-                                {node_of(step.p, k), node_of(step.v, k), Vector3::Zero(), node_of(step.P, k),
-                                 node_of(step.U, k)}));
+    result.push_back(
+        arrival_of(model.contact, {*start, *end, h, step.theta}, each,
+                   {node_of(step.p, k), node_of(step.v, k), Vector3::Zero(), node_of(step.P, k), node_of(step.U, k)}));
   }
   return result;
 }

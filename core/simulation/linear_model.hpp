@@ -35,6 +35,8 @@ class LinearModel {
   // by_position = (da/dp)^T weights, by_velocity = (da/dv)^T weights.
   springnet_status transposed_times(const double* weights, bool true_friction, double* by_position,
                                     double* by_velocity);
+  // Systems then have friction as it is, whatever the reactions become.
+  void hold_friction() noexcept { holds_friction_ = true; }
   // out = velocity_weight times the one plus position_weight times the other, without true friction; after linearise().
   void weighted_transposed_times(double velocity_weight, double position_weight, const double* weights, double* out);
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
@@ -89,8 +91,9 @@ class LinearModel {
   // Whether systems have friction that follows the reactions of surfaces. With rigid connections it follows from sweep
   // to sweep.
   [[nodiscard]] bool has_friction() const noexcept {
-    return response_.known() && response_.has_friction() && !model_.rigid.any();
+    return response_.known() && response_.has_friction() && !model_.rigid.any() && !holds_friction_;
   }
+  bool holds_friction_ = false;
   void begin_system(const layers::SystemWeights& weights);
   void assemble();  // with the derivatives at hand
   // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.

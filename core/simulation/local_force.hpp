@@ -22,7 +22,8 @@ namespace springnet {
 
 class LocalForceModel {
  public:
-  explicit LocalForceModel(Model& model) : model_(model), linear_(model) {}
+  // Friction follows the reactions by iterations of its own.
+  explicit LocalForceModel(Model& model) : model_(model), linear_(model) { linear_.hold_friction(); }
 
   // At the committed state, over a step of `step` seconds. Throw Error(simulation).
   [[nodiscard]] Matrix3 stiffness_of_node(std::uint32_t node, double step);
