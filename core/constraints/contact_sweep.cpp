@@ -497,7 +497,7 @@ void Contact::slide(const Within& within, std::uint32_t node, const Slide& on, c
   const Path path{node, candidate.start, candidate.start_velocity, on.position, on.velocity};
   const Meeting next = next_meeting(at, path, on.touch);
   // After too many changes of its surfaces the node counts as meeting all that it met so far.
-  const bool settles = slide_changes_[node] >= max_changes;
+  const bool settles = slide_changes_[node] >= max_changes && !met_[node].empty();
   if (next.surface < 0 && !settles) {
     if (now(node) != on.touch) ++slide_changes_[node];
     set_outputs(within, node, on);
@@ -558,6 +558,9 @@ void Contact::stop(const Within& within, std::uint32_t node, const Touch& touch,
   const auto& [sweep, at] = within;
   const Vector3 with = velocity(at, static_cast<std::size_t>(touch.surface), place);
   decide(node, touch, candidate.inertia * (with - candidate.velocity));
+  // Newton's method may keep a node as it arrived, which has not been stopped.
+  lands_[node] = 1;
+  landing_[node] = with;
   put_vector(sweep.next_position, node, place);
   put_vector(sweep.next_velocity, node, with);
 }
