@@ -67,12 +67,12 @@ class ConstraintSet {
   [[nodiscard]] double coefficient(std::uint32_t node, std::size_t obstacle) const;
 
   // ---- within a step ----
-  // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain.
   // Around a sweep that constrains all nodes at once: see Contact.
   void remember_contacts(const springnet_sweep& sweep) { contact_.remember(sweep); }
   void limit_changes(const Placement& end, const springnet_sweep& sweep) {
     contact_.limit_changes(end, sweep, rigid_.cluster_of());
   }
+  // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain.
   void constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                  const Vector3* read = nullptr);
   // The same for nodes of a list, none of which has rigid connections. read: [component][i] velocity that the update of

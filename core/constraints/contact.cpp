@@ -158,7 +158,7 @@ void Contact::discard_sweep() {
 bool Contact::land(const springnet_vectors& velocity) const {
   bool any = false;
   for (std::uint32_t k = 0; k < lands_.size(); ++k) {
-    if (lands_[k] == 0 || fixed_[k] != 0) continue;
+    if (lands_[k] == 0 || fixed_[k] != 0 || vector_at(velocity, k) == landing_[k]) continue;
     put_vector(velocity, k, landing_[k]);
     any = true;
   }

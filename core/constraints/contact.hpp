@@ -190,7 +190,7 @@ class Contact {
                                const Vector3& start_velocity, const Vector3& free) const;
   [[nodiscard]] std::int32_t last_surface(std::uint32_t node) const noexcept { return last_surface_[node]; }
 
-  // Stops nodes that arrived at a surface, see arrives(); true: there are any. Before commit_sweep().
+  // Stops nodes that arrived at a surface, see arrives(); true: that changed a velocity. Before commit_sweep().
   [[nodiscard]] bool land(const springnet_vectors& velocity) const;
   // Commits the contacts of the last sweep and returns the changes; none if the sweeps did not decide contacts.
   [[nodiscard]] std::vector<ContactChange> commit_sweep(bool decided);
@@ -236,11 +236,16 @@ class Contact {
   [[nodiscard]] bool is_far(std::uint32_t node, const springnet_sweep& sweep);
   // Keeps a node free that was free, and whose path is too short to meet a surface; false: that is not certain.
   [[nodiscard]] bool keep_free(const Within& within, std::uint32_t node);
+  // For springnet_sweep::contacts SPRINGNET_MAY_TOUCH and SPRINGNET_AS_BEFORE.
+  void constrain_between_decisions(const Placement& end, std::uint32_t first, std::uint32_t count,
+                                   const springnet_sweep& sweep, const std::uint32_t* cluster, const Vector3* read);
   void constrain_node(const Within& within, std::uint32_t node, const Vector3* read);
   // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
   [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   void meet(const Within& within, std::uint32_t node, const Candidate& candidate);
+  // read: as of constrain().
   [[nodiscard]] Candidate candidate_of(const Within& within, std::uint32_t node, const Vector3* read) const;
+  // The contact of a node on one surface, which sticks if its slip has turned round.
   [[nodiscard]] Touch stopped_by_friction(const Placement& at, std::uint32_t node, const Candidate& candidate);
   // Keeps a contact whatever the forces.
   void keep(const Within& within, std::uint32_t node, const Touch& touch, const Candidate& candidate);
@@ -257,12 +262,15 @@ class Contact {
   [[nodiscard]] bool holds(std::int32_t surface) const {
     return obstacles_[static_cast<std::size_t>(surface)].friction().kind == Friction::Kind::held;
   }
+  // Gives a node the contact that it had before the sweep, and the outputs that go with it.
   void take_back(const Within& within, std::uint32_t node);
+  // A node with the contact and the outputs that the sweep has decided.
   struct Changing {
     std::uint32_t node;
     Touch touch;
     double way;                  // m, from the outputs with the contact that it had
     Vector3 position, velocity;  // m, m/s
+    Vector3 force;               // N, of the surface in the sweep
     Vector3 impulse, slip;       // N s, m/s
     std::uint8_t lands;
     Vector3 landing;  // m/s

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/cluster.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/contact_within.hpp"
 #include "constraints/vectors.hpp"
@@ -20,7 +21,6 @@ namespace {
 constexpr int until_some = 1, until_one = 16, until_first = 48;
 // Of the longest way that a decision moves a node: those beyond it change.
 constexpr double share_of_longest = 0.5;
-constexpr std::uint32_t no_cluster_number = 0xffffffffu;
 
 bool decides(const springnet_sweep& sweep) noexcept {
   return sweep.contacts == 0 || sweep.contacts == SPRINGNET_MAY_TOUCH;
@@ -87,9 +87,10 @@ void Contact::limit_changes(const Placement& end, const springnet_sweep& sweep, 
     if (fixed_[k] != 0 || before_.now[k] == now(k)) continue;
     any = true;
     if (!limits || !is_simple(k, before_.now[k]) || !is_simple(k, now(k)) ||
-        (cluster != nullptr && cluster[k] != no_cluster_number))
+        (cluster != nullptr && cluster[k] != no_cluster))
       continue;
     changing_.push_back({k, now(k), 0.0, vector_at(sweep.next_position, k), vector_at(sweep.next_velocity, k),
+                         sweep.constraint_force.x != nullptr ? vector_at(sweep.constraint_force, k) : Vector3::Zero(),
                          sweep_impulse_[k], slip_[k], lands_[k], landing_[k]});
   }
   if (any) ++changed_sweeps_;
@@ -146,10 +147,7 @@ void Contact::change_as_decided(const springnet_sweep& sweep, const Changing& ch
   landing_[k] = change.landing;
   put_vector(sweep.next_position, k, change.position);
   put_vector(sweep.next_velocity, k, change.velocity);
-  const double weight = sweep.time_constant * theta_of(sweep);
-  if (sweep.constraint_force.x == nullptr || !(weight > 0.0)) return;
-  put_vector(sweep.constraint_force, k,
-             change.touch.slides ? Vector3(change.impulse / weight) : Vector3(Vector3::Zero()));
+  if (sweep.constraint_force.x != nullptr) put_vector(sweep.constraint_force, k, change.force);
 }
 
 }  // namespace springnet

@@ -30,14 +30,13 @@ ContactResponse solve_slipping(const Matrix3& mobility, const Vector3& relative,
 
 }  // namespace
 
-// Arrivals. A node that meets a surface within the step ends it there, with the velocity of the surface: one that is
-// not (P - p*) / w, as it was stopped on its way. Where damping is great for the length of the step, the damping forces
-// of so sudden a stop may push the node off again, which without them would be behind the surface: then no outputs fit.
-// Such a node ends the step with the velocity that takes it to the surface, (P - p*) / w, and the next step stops it.
-// Whether it meets the surface then has one answer, whatever the damping: the complementarity of the gap and the
-// reaction in the implicit step.
+// Arrivals. In the step in which a node reaches a surface, its outputs are P on the surface and U = (P - p*) / w, the
+// velocity that takes it there; the commit stops it. If U were the surface's velocity, the damping forces of so sudden
+// a stop could push the node off again, which without them would be behind the surface: then no outputs fit. With this
+// U the gap and the reaction of the implicit step are complementary, whatever the damping.
 //
-// Off a surface with restitution nodes bounce within the step, and so it stops them within the step, too.
+// A surface with restitution gives a node its rebound within the step, and so stops within the step what does not
+// rebound.
 bool Contact::arrives(std::uint32_t node, std::int32_t surface) const {
   return !committed(node).has(surface) && !(obstacles_[static_cast<std::size_t>(surface)].restitution() > 0.0);
 }

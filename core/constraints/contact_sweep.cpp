@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "constraints/cluster.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/contact_within.hpp"
 #include "constraints/vectors.hpp"
@@ -16,7 +17,6 @@ namespace {
 constexpr std::uint8_t max_changes = 8;
 // In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
-constexpr std::uint32_t no_cluster = 0xffffffffu;
 
 void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& force) {
   if (sweep.constraint_force.x != nullptr) put_vector(sweep.constraint_force, node, force);
@@ -147,25 +147,41 @@ void Contact::constrain(const Placement& end, std::uint32_t first, std::uint32_t
   // Without surfaces only fixed nodes are constrained, and the others have no contact force to report.
   const bool free_stay_free = obstacles_.empty() && sweep.constraint_force.x == nullptr;
   if (free_stay_free && !any_fixed_) return;
-  const bool keeps = sweep.contacts == SPRINGNET_AS_BEFORE, may_only_touch = sweep.contacts == SPRINGNET_MAY_TOUCH;
-  springnet_sweep deciding = sweep, keeping = sweep;
-  if (may_only_touch) deciding.contacts = 0;
-  keeping.contacts = 1;
+  if (sweep.contacts == SPRINGNET_AS_BEFORE || sweep.contacts == SPRINGNET_MAY_TOUCH) {
+    constrain_between_decisions(end, first, count, sweep, cluster, read);
+    return;
+  }
   for (std::uint32_t k = first; k < first + count; ++k) {
     if (free_stay_free && fixed_[k] == 0) continue;
     if (constrain_fixed(end, k, sweep)) continue;
     if (cluster != nullptr && cluster[k] != no_cluster) continue;
-    const bool is_kept = (keeps || may_only_touch) && now(k).surface >= 0 && is_simple(k, now(k));
-    if (keeps && !is_kept) continue;
+    put_force(sweep, k, Vector3::Zero());
+    const Within within{sweep, end};
+    if (!obstacles_.empty() && !keep_free(within, k)) constrain_node(within, k, read);
+  }
+}
+
+// Nodes that bounce, are held, or are on more than one surface decide anew where others may touch, and stay as they are
+// where none may.
+void Contact::constrain_between_decisions(const Placement& end, std::uint32_t first, std::uint32_t count,
+                                          const springnet_sweep& sweep, const std::uint32_t* cluster,
+                                          const Vector3* read) {
+  const bool may_touch = sweep.contacts == SPRINGNET_MAY_TOUCH;
+  springnet_sweep deciding = sweep, keeping = sweep;
+  deciding.contacts = 0;
+  keeping.contacts = 1;
+  const Within decided{deciding, end}, kept{keeping, end};
+  for (std::uint32_t k = first; k < first + count; ++k) {
+    if (constrain_fixed(end, k, sweep) || (cluster != nullptr && cluster[k] != no_cluster)) continue;
+    const bool is_kept = now(k).surface >= 0 && is_simple(k, now(k));
+    if (!is_kept && !may_touch) continue;
     put_force(sweep, k, Vector3::Zero());
     if (is_kept) {
-      const Within within{keeping, end};
-      const Candidate candidate = candidate_of(within, k, read);
-      keep(within, k, may_only_touch ? stopped_by_friction(end, k, candidate) : now(k), candidate);
-      continue;
+      const Candidate candidate = candidate_of(kept, k, read);
+      keep(kept, k, may_touch ? stopped_by_friction(end, k, candidate) : now(k), candidate);
+    } else if (!keep_free(decided, k)) {
+      constrain_node(decided, k, read);
     }
-    const Within within{deciding, end};
-    if (!obstacles_.empty() && !keep_free(within, k)) constrain_node(within, k, read);
   }
 }
 
@@ -214,112 +230,6 @@ Contact::Candidate Contact::candidate_of(const Within& within, std::uint32_t nod
           vector_at(sweep.next_velocity, node),
           inertia,
           read != nullptr ? *read : vector_at(sweep.velocity, node)};
-}
-
-// The reaction over the step decides on release. A surface on which nodes slide never pulls, even after chatter.
-bool Contact::try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate) {
-  const Placement& at = within.at;
-  const Touch& before = committed(node);
-  std::int32_t surface = before.surface;
-  if (before.third >= 0 && before.slides) {
-    Slide on = at_vertex(within, before, candidate);
-    if (on.normal < 0.0) on = leave_vertex(within, on, candidate);
-    if (on.normal >= 0.0) {
-      static_cast<void>(record_decision(node, true));
-      slide(within, node, on, candidate);
-      return true;
-    }
-    surface = on.weakest == on.touch.surface ? on.touch.second : on.touch.surface;
-  } else if (before.second >= 0) {
-    const Slide on = slide_along_edge(within, before.surface, before.second, candidate);
-    if (on.normal >= 0.0) {
-      static_cast<void>(record_decision(node, true));
-      slide(within, node, on, candidate);
-      return true;
-    }
-    surface = on.weakest == before.surface ? before.second : before.surface;
-  }
-  const auto j = static_cast<std::size_t>(surface);
-  if (obstacles_[j].friction().kind == Friction::Kind::held) {
-    const Vector3 place = carried(at, candidate.start, surface);
-    const Vector3 missing = velocity(at, j, place) - candidate.velocity;
-    if (!has_chattered(node) && normal(at, j, place).dot(candidate.inertia * missing) < 0.0) return false;
-    static_cast<void>(record_decision(node, true));
-    stop(within, node, {surface, false}, place, candidate);
-    return true;
-  }
-  const Slide on = slide_along(within, surface, candidate);
-  if (on.normal < 0.0) return false;
-  static_cast<void>(record_decision(node, true));
-  slide(within, node, on, candidate);
-  return true;
-}
-
-// Between decisions a slip that has turned round is over: friction would drive it.
-Touch Contact::stopped_by_friction(const Placement& at, std::uint32_t node, const Candidate& candidate) {
-  Touch touch = now(node);
-  const auto surface = static_cast<std::size_t>(touch.surface);
-  if (!touch.slides || touch.count() > 1 || obstacles_[surface].friction().kind == Friction::Kind::none) return touch;
-  const Vector3 slip = slip_vector(at, node, surface, candidate.position, candidate.velocity);
-  if (slip.dot(slip_[node]) < 0.0)
-    touch.slides = false;
-  else
-    slip_[node] = slip;
-  return touch;
-}
-
-void Contact::keep(const Within& within, std::uint32_t node, const Touch& touch, const Candidate& candidate) {
-  if (touch.slides && touch.third >= 0) {
-    set_outputs(within, node, at_vertex(within, touch, candidate));
-    return;
-  }
-  if (!touch.slides) {
-    const Vector3 place = where_it_sticks(within, node, touch.surface, candidate);
-    const auto& rough = obstacles_[static_cast<std::size_t>(touch.surface)].friction();
-    if (arrives(node, touch.surface) && touch.count() == 1 && rough.kind == Friction::Kind::coulomb)
-      set_outputs(within, node, arrived_at(within, touch.surface, place, candidate));
-    else
-      stop(within, node, touch, place, candidate);
-    return;
-  }
-  Slide on = touch.second >= 0 ? slide_along_edge(within, touch.surface, touch.second, candidate)
-                               : slide_along(within, touch.surface, candidate);
-  on.touch = touch;
-  set_outputs(within, node, on);
-}
-
-Contact::Slide Contact::arrived_at(const Within& within, std::int32_t surface, const Vector3& place,
-                                   const Candidate& candidate) const {
-  const auto& [sweep, at] = within;
-  const double h = sweep.time_constant, theta = theta_of(sweep);
-  Slide result;
-  result.touch = {surface, false};
-  result.weakest = surface;
-  result.position = place;
-  result.velocity =
-      h > 0.0 ? Vector3((place - candidate.start - (1.0 - theta) * h * candidate.start_velocity) / (theta * h))
-              : velocity(at, static_cast<std::size_t>(surface), place);
-  result.impulse = candidate.inertia * (result.velocity - candidate.velocity);
-  result.normal = normal(at, static_cast<std::size_t>(surface), place).dot(result.impulse);
-  result.lands = true;
-  result.landing = velocity(at, static_cast<std::size_t>(surface), place);
-  result.landing_impulse = mass_[candidate.node] * (result.landing - result.velocity);
-  result.slip.setZero();
-  return result;
-}
-
-// Where slide_along() and meet() put a node that sticks.
-Vector3 Contact::where_it_sticks(const Within& within, std::uint32_t node, std::int32_t surface,
-                                 const Candidate& candidate) const {
-  const auto& [sweep, at] = within;
-  const Touch& before = committed(node);
-  if (before.surface == surface && !before.slides) return carried(at, candidate.start, surface);
-  const auto j = static_cast<std::size_t>(surface);
-  if (obstacles_[j].friction().kind == Friction::Kind::held)
-    return where_it_touched(at, sweep.time_constant, candidate.start, candidate.start_velocity, surface);
-  const Vector3 slipped =
-      rotated_with(at, surface, candidate.start, candidate.start_velocity - velocity(*start_, j, candidate.start));
-  return onto(at, j, carried(at, candidate.start, surface) + sweep.time_constant * (1.0 - theta_of(sweep)) * slipped);
 }
 
 // A chattering node can be off its surface by at most its path within the step. One that is farther away comes from

@@ -47,10 +47,10 @@ struct OutputDerivative {
   bool has_times = true;                                                       // else these are not known
 };
 
-// None if no formula gives (P, U): the contact is of a kind that is not differentiated.
 // Of a node whose velocity at the end of the step is `node.U`; `free` is not read.
 [[nodiscard]] Arrival arrival_of(const Contact& contact, const StepPlacement& step, const StepContact& how,
                                  const NodeOverStep& node);
+// None if no formula gives (P, U): the contact is of a kind that is not differentiated.
 [[nodiscard]] std::optional<OutputDerivative> output_derivative(const Contact& contact, const StepPlacement& step,
                                                                 const StepContact& how, const NodeOverStep& node);
 

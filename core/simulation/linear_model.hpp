@@ -24,7 +24,9 @@ class LinearModel {
   explicit LinearModel(Model& model);
   ~LinearModel();
 
-  // Computes the derivatives at a state, for the functions below. Statuses and messages as in springnet_host.
+  // Computes the derivatives at a state, for the functions below. Statuses and messages as in springnet_host. of_step:
+  // s, the weight of accelerations in a step: friction is of the reactions that its sweeps found; 0: of those at the
+  // state.
   springnet_status linearise(const springnet_evaluation& at, double elimination, double of_step = 0.0);
   // See springnet_internal_change.
   springnet_status change_internal(const springnet_internal_change& request);
@@ -93,7 +95,6 @@ class LinearModel {
   [[nodiscard]] bool has_friction() const noexcept {
     return response_.known() && response_.has_friction() && !model_.rigid.any() && !holds_friction_;
   }
-  bool holds_friction_ = false;
   void begin_system(const layers::SystemWeights& weights);
   void assemble();  // with the derivatives at hand
   // There is room for one factorisation: the integrator's or, where iterations give up, that of the prepared system.
@@ -109,6 +110,7 @@ class LinearModel {
 
   Model& model_;
   layers::Linearisation blocks_;
+  bool holds_friction_ = false;
   ConstrainedResponse response_;             // known where there are constraint rows
   layers::InternalElimination elimination_;  // of blocks_
   // What is prepared: a matrix, or springs.

@@ -29,8 +29,7 @@ Network falling_block(const Body& body) {
   net.add_lattice("block", lattice, testing::point(Vector3::Zero(), mass, {0.1, -0.05, -0.3}),
                   net.add_material(testing::damped(body.stiffness, body.damping)));
   Plane floor;
-  floor.friction = body.friction > 0.0 ? Friction{Friction::Kind::coulomb, body.friction} : Friction{};
-  if (!(body.friction > 0.0)) floor.friction.kind = Friction::Kind::none;
+  floor.friction = {body.friction > 0.0 ? Friction::Kind::coulomb : Friction::Kind::none, body.friction};
   net.add_plane(floor);
   net.set_gravity({-4.3, -2.1, -8.6});
   return net;
@@ -50,9 +49,8 @@ TEST_CASE(
         const Network net = falling_block({stiffness, damping, friction});
         SimulationOptions options;
         options.time_step = frame / 4.0;
-        options.integrator.parameters["update"] = 4;  // newton
-        const double tolerance = 1e-8;                // N; a node weighs 1.5e-3 N
-        options.integrator.parameters["force_tolerance"] = tolerance;
+        const double tolerance = 1e-8;  // N; a node weighs 1.5e-3 N
+        options.integrator = testing::recurrent(testing::newton, tolerance);
         ++bodies;
         settled += testing::settles(net, options, tolerance, 60) ? 1 : 0;
       }

@@ -50,11 +50,12 @@ bool Newton::follow(Step& step, springnet_state& next, const springnet_state* be
     refresh_friction(step, next, before);
     assess(step, next, at_outputs_);
   };
-  assess_next();
-  const double followed = at_outputs_.norm;
   swap_plain(next);
   assess_next();
-  if (followed < at_outputs_.norm) {
+  const double plain = at_outputs_.norm;
+  swap_plain(next);
+  assess_next();
+  if (!(at_outputs_.norm < plain)) {
     swap_plain(next);
     assess_next();
   }
@@ -69,7 +70,7 @@ bool Newton::solve_to_follow(const Step& step, springnet_state& next) {
   const Three p = axes(outputs.position), next_p = axes(next.position);
   const ThreeConst a = axes(work_.unconstrained()), v = axes(step.free_velocity), start = axes(step.free_position);
   // The residual without constraints, and what the moves of the others change of it.
-  std::vector<double>&dp = work_values_, &du = uncorrected_;
+  std::vector<double>&dp = work_values_, &du = uncorrected_;  // neither is in use between sweeps
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
       dp[axis * n + k] = w * (next_p[axis][k] - p[axis][k]);

@@ -16,12 +16,11 @@ constexpr double negligible = 1e-14;
 // To test for separation, held nodes may be moved at least this far, in units of the length scale.
 constexpr double min_move_limit = 1e-3;
 // After so many sweeps of a step that change contacts, those there are stay until the residual is this share of what
-// the last change left of it.
+// the last change left of it, or this many times the tolerance; but for no more sweeps than these.
 constexpr std::uint64_t patience_with_releases = 3;
-constexpr double share_of_change = 0.05;
-constexpr double settling_margin = 10.0;
+constexpr double share_of_change = 0.05, margin_of_release = 10.0;
 constexpr std::uint64_t max_sweeps_between = 5;
-// Of its own way that a node goes which slides whatever the forces.
+// Of the way that its own equation would take a node that slides whatever the forces.
 constexpr double share_of_kept = 1e-3;
 // After this many sweeps of a step that change contacts, held nodes stay where they are.
 constexpr std::uint64_t patience = 6;
@@ -41,14 +40,14 @@ bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t 
 
 }  // namespace
 
-// Contacts that outputs far from the solution would release or turn into slips stay for now.
+// Far from the solution of the contacts as they are, none is released or begins to slip.
 bool Newton::waits_with_releases(const Step& step, const springnet_state* before) const {
   const springnet_network& network = step.network;
   if (network.surface_count == 0 || network.rigid_count > 0 || before == nullptr || !step.decides || step.waits)
     return false;
   return contact_changes_ >= patience_with_releases && step.sweeps < last_switch_ + max_sweeps_between &&
          at_outputs_.norm > share_of_change * norm_at_change_ &&
-         greatest_force(step, at_outputs_.residual) > settling_margin * step.tolerance;
+         greatest_force(step, at_outputs_.residual) > margin_of_release * step.tolerance;
 }
 
 bool Newton::is_partly_constrained(const Step& step, std::size_t node) const noexcept {

@@ -180,7 +180,8 @@ typedef struct springnet_sweep {
    * held. Null: not wanted. */
   springnet_vectors constraint_force;
   uint32_t contacts; /* 0: the sweep decides which nodes stick, slide and separate; 1: they stay as committed, for
-                        methods that locate such events in time; 2 to 5: see constrain */
+                        methods that locate such events in time; in `constrain` also 2, 3 (see there) and
+                        SPRINGNET_MAY_TOUCH, SPRINGNET_AS_BEFORE */
   uint32_t reserved;
   /* With an order; 1: the update takes lists of nodes (springnet_node_batch::nodes), too, and the host may
    * choose any order that gives the same outputs as `order`. Of several nodes whose law fails it may name another one
