@@ -1,5 +1,6 @@
 #include "learning/constrained_outputs.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace springnet::learning {
@@ -17,6 +18,18 @@ void ConstrainedOutputs::begin(std::size_t nodes, double c, double w) {
 void ConstrainedOutputs::add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass,
                              Eigen::MatrixXd by_times) {
   blocks_.push_back({std::move(nodes), std::move(derivative), std::move(by_mass), std::move(by_times)});
+}
+
+std::vector<layers::NodeResponse> ConstrainedOutputs::responses(bool transposed) const {
+  std::vector<layers::NodeResponse> result;
+  for (const Block& block : blocks_) {
+    if (block.nodes.size() != 1) continue;
+    Eigen::Matrix3d own = block.derivative.topRightCorner<3, 3>() / w_;
+    if (transposed) own.transposeInPlace();
+    result.push_back({block.nodes.front(), own, Eigen::Matrix3d::Zero()});
+  }
+  std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+  return result;
 }
 
 VectorXd ConstrainedOutputs::gather(const Block& block, const VectorXd& of) const {

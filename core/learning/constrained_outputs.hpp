@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "layers/linear/node_response.hpp"
+
 namespace springnet::learning {
 
 class ConstrainedOutputs {
@@ -21,6 +23,9 @@ class ConstrainedOutputs {
   void add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass = {},
            Eigen::MatrixXd by_times = {});
   [[nodiscard]] bool any() const noexcept { return !blocks_.empty(); }
+  // What a step makes of a change of V, as far as it moves them, of nodes without rigid connections, ascending: blocks
+  // dP/dV / w, or their transposes.
+  [[nodiscard]] std::vector<layers::NodeResponse> responses(bool transposed) const;
 
   // What follows from the start alone, and what from V: (dP, dU) of (dp, dv), and of dV.
   void from_start(const Eigen::VectorXd& dp, const Eigen::VectorXd& dv, Eigen::VectorXd& end_dp,

@@ -10,7 +10,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Eigen::Index most_unconstrained = 40;
-// The preconditioner does not know of constraints, each of which may take an iteration.
+// The preconditioner may not know of constraints, each of which may then take an iteration.
 constexpr Eigen::Index most_constrained = 1000;
 // Without a preconditioner: more than these take longer than to prepare one. It is tried again after some steps.
 constexpr Eigen::Index most_plain = 12;
@@ -60,18 +60,66 @@ void StepSolver::begin() noexcept {
 }
 
 void StepSolver::prepare_system(bool anew) {
-  if (has_system_ && !anew) return;
+  if (has_system_ && !anew && (responses_.empty() || system_transposed_ == transposed_)) return;
   has_system_ = true;
   if (!anew && may_keep_ && age_ <= most_steps_kept && linear_.is_prepared() &&
       std::abs(w_ - system_weight_) <= 1e-9 * w_)
     return;
-  const bool is_matrix_free = linear_.prepare_matrix_free(at_, {w_, w_ * w_, 0.0});
+  const bool is_matrix_free = prepare_matrix_free();
   if (!is_matrix_free) host_.prepare_system({w_, w_ * w_});
   // Without a matrix it takes little time; and where iterations give up, the host linearises at the state it is of.
   may_keep_ = !is_matrix_free;
   age_ = 0;
   first_iterations_ = 0;
   system_weight_ = w_;
+}
+
+bool StepSolver::prepare_matrix_free() {
+  responses_.clear();
+  if (outputs_ != nullptr) responses_ = outputs_->responses(transposed_);
+  system_transposed_ = transposed_;
+  layers::NodeResponses parts;
+  parts.set(responses_);
+  outside_.clear();
+  parts.for_each_range([this](std::uint32_t node, const Eigen::Matrix3d& range) {
+    outside_.emplace_back(node, Eigen::Matrix3d::Identity() - range);
+  });
+  if (linear_.prepare_matrix_free(at_, {w_, w_ * w_, 0.0}, &responses_)) return true;
+  responses_.clear();
+  outside_.clear();
+  return false;
+}
+
+void StepSolver::precondition(const VectorXd& in, double accuracy, VectorXd& out) {
+  if (responses_.empty()) {
+    static_cast<void>(host_.solve_system(in.data(), accuracy, out.data()));
+    return;
+  }
+  outputs_->from_free(in, work_, other_);
+  work_ /= w_;
+  static_cast<void>(host_.solve_system(work_.data(), accuracy, out.data()));
+  work_ = w_ * out;
+  host_.jacobian_times(work_.data(), out.data(), by_position_.data());
+  const auto n = static_cast<Eigen::Index>(mass_.size() / 3);
+  for (const layers::NodeResponse& each : responses_) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const Eigen::Index i = axis * n + each.node;
+      out[i] = in[i] + w_ * by_position_[i];
+    }
+  }
+}
+
+void StepSolver::precondition_transposed(const VectorXd& in, double accuracy, VectorXd& out) {
+  const Eigen::Map<const VectorXd> mass(mass_.data(), static_cast<Eigen::Index>(mass_.size()));
+  work_ = in.cwiseQuotient(mass);
+  static_cast<void>(host_.solve_system(work_.data(), accuracy, out.data()));
+  out = out.cwiseProduct(mass);
+  const auto n = static_cast<Eigen::Index>(mass_.size() / 3);
+  for (const auto& [node, outside] : outside_) {
+    const Eigen::Index k = node;
+    const Eigen::Vector3d left = outside * Eigen::Vector3d(in[k], in[n + k], in[2 * n + k]);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) out[axis * n + k] += left[axis];
+  }
 }
 
 void StepSolver::clear_pinned(VectorXd& values) const {
@@ -112,22 +160,19 @@ void StepSolver::apply_transposed(const VectorXd& in, VectorXd& out) {
 
 void StepSolver::solve(const VectorXd& right_side, double accuracy, VectorXd& x) {
   const auto matrix = [this](const VectorXd& in, VectorXd& out) { apply(in, out); };
-  const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) {
-    static_cast<void>(host_.solve_system(in.data(), inner, out.data()));
-  };
+  const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) { precondition(in, inner, out); };
+  transposed_ = false;
   if (factorised_ || !iterate(matrix, preconditioner, right_side, accuracy * right_side.norm(), mismatch_, x))
     directly(right_side, false, x);
 }
 
 void StepSolver::solve_transposed(const VectorXd& right_side, double accuracy, VectorXd& x, VectorXd& by_position,
                                   VectorXd& by_velocity) {
-  const Eigen::Map<const VectorXd> mass(mass_.data(), static_cast<Eigen::Index>(mass_.size()));
   const auto matrix = [this](const VectorXd& in, VectorXd& out) { apply_transposed(in, out); };
-  const auto preconditioner = [&](const VectorXd& in, double inner, VectorXd& out) {
-    work_ = in.cwiseQuotient(mass);
-    static_cast<void>(host_.solve_system(work_.data(), inner, out.data()));
-    out = out.cwiseProduct(mass);
+  const auto preconditioner = [this](const VectorXd& in, double inner, VectorXd& out) {
+    precondition_transposed(in, inner, out);
   };
+  transposed_ = true;
   const double size = right_side.norm(), allowed = accuracy * size;
   VectorXd left;
   bool is_near = false;

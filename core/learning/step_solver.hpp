@@ -2,7 +2,9 @@
 // constraints A = I - w (da/dv U' + da/dp P'), where P' and U' tell how outputs follow the velocities without them.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,8 +19,9 @@ namespace springnet::learning {
 // GMRES, of short steps without a preconditioner: where sweeps of the network settle, so does it. Else flexible GMRES
 // (Saad, SIAM J. Sci. Comput. 14, 1993), preconditioned by the host's own solver of the step: it solves
 // A x = b, and A^T y = b as y = M x with A x = M^-1 b, exactly where M A is symmetric, as of nets with potentials and
-// damping along relative velocities. Other damping leaves a few iterations. Vectors have 3 node numbers, x of all nodes
-// first.
+// damping along relative velocities. Other damping leaves a few iterations. With C the outputs of nodes on surfaces,
+// and A = I - K C, it solves y = C K y + C b, which gives x = K y + b; and x = C^T K x + b, for b in the range of C^T,
+// which is that of x in A^T. Vectors have 3 node numbers, x of all nodes first.
 class StepSolver {
  public:
   // The host is the engine's.
@@ -50,6 +53,11 @@ class StepSolver {
                              double allowed, double& mismatch, Eigen::VectorXd& x);
   // The host's solver of this step, or still that of an earlier one.
   void prepare_system(bool anew);
+  // The same without its matrix, if that can be, with the outputs of single nodes.
+  [[nodiscard]] bool prepare_matrix_free();
+  // What that makes of right-hand sides of A, or of A^T.
+  void precondition(const Eigen::VectorXd& in, double accuracy, Eigen::VectorXd& out);
+  void precondition_transposed(const Eigen::VectorXd& in, double accuracy, Eigen::VectorXd& out);
   void directly(const Eigen::VectorXd& right_side, bool transposed, Eigen::VectorXd& x);
   void clear_pinned(Eigen::VectorXd& values) const;
   void apply(const Eigen::VectorXd& in, Eigen::VectorXd& out);
@@ -67,6 +75,11 @@ class StepSolver {
   bool has_system_ = false, may_keep_ = false;
   int age_ = 0;
   double system_weight_ = 0.0;
+  bool transposed_ = false;  // what is asked for
+  // Of nodes whose outputs the system has; whether transposed.
+  std::vector<layers::NodeResponse> responses_;
+  bool system_transposed_ = false;
+  std::vector<std::pair<std::uint32_t, Eigen::Matrix3d>> outside_;  // of their ranges
   Eigen::Index iterations_ = 0, first_iterations_ = 0;  // of the last solution, of that with a system of its own
   int prepared_steps_ = 0;                              // for which no other way is tried
   // What an exact solution by the preconditioner leaves of the residual, of A and of its transpose, as far as known.

@@ -154,7 +154,8 @@ void ConstrainedResponse::find_lone(const ReactionsAt& reactions, std::uint32_t 
   Eigen::Matrix<double, 3, Eigen::Dynamic> answer(3, on.normals.cols());
   for (Eigen::Index i = 0; i < answer.cols(); ++i)
     answer.col(i) = on.directions * least_squares(square, Eigen::VectorXd::Unit(answer.cols(), i));
-  Lone lone{k, Matrix3::Identity() - answer * on.normals.transpose(), Matrix3::Zero(), Matrix3::Zero()};
+  const Matrix3 straight = Matrix3::Identity() - answer * on.normals.transpose();
+  Lone lone{k, straight, straight, Matrix3::Zero(), Matrix3::Zero()};
   lone.by_position = lone.response * on.by_position(x);
   for (std::size_t i = 0; i < on.direction_gradients.size(); ++i) {
     const AccelerationGradient rate = on.rates(i, constrained);

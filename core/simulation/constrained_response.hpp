@@ -43,6 +43,12 @@ class ConstrainedResponse {
   // Whether friction acts on nodes without rigid connections that slide; takes out of forces, N, what surfaces balance
   // of those on them, with the friction that this causes; [node][3].
   [[nodiscard]] bool has_friction() const noexcept { return has_friction_; }
+  // Calls use(node, P) for nodes without rigid connections on surfaces, in ascending order, with directions of slips
+  // that begin as they are.
+  template <class Use>
+  void for_each_lone(const Use& use) const {
+    for (const Lone& each : lone_) use(each.node, each.straight_response);
+  }
   void take_reactions(double* forces) const;
   // What constraints add to the acceleration of a node that can move, m/s^2; 0 where it has no rows.
   [[nodiscard]] const Vector3& added(std::uint32_t node) const { return added_[node]; }
@@ -50,7 +56,7 @@ class ConstrainedResponse {
  private:
   struct Lone {  // a node without rigid connections, on surfaces
     std::uint32_t node;
-    Matrix3 response;
+    Matrix3 response, straight_response;  // without the turn of a slip that begins: a projection
     Matrix3 by_position, by_velocity;  // P X - D (G D)^-1 r
   };
   struct FrictionColumn {  // of the rows of clusters

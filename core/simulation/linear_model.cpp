@@ -55,6 +55,7 @@ void LinearModel::forget() noexcept {
 springnet_status LinearModel::linearise(const springnet_evaluation& at, double elimination, double of_step) {
   sweep_.reset();
   response_.forget();
+  last_response_ = &response_;
   at_hand_ = false;
   const std::size_t n = model_.mass.size();
   linearised_at_.resize(3 * n);
@@ -86,20 +87,28 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at, do
     blocks_.add_bond(rod.first, rod.second, constraints.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   }
   if (constraints.rows().empty()) return SPRINGNET_OK;
+  return find_response(at, of_step, known(), response_, [this](const ConstraintRow& row, const Matrix3& derivative) {
+    blocks_.add_to_velocity_block(row.first, derivative);
+  });
+}
+
+template <class Use>
+springnet_status LinearModel::find_response(const springnet_evaluation& at, double of_step, ReactionsAt& reactions,
+                                            ConstrainedResponse& response, const Use& use) {
+  const ConstraintSet& constraints = model_.constraints;
   std::vector<std::uint32_t> sliding;
   for (const ConstraintRow& row : constraints.rows())
     if (row.surface >= 0) sliding.push_back(row.first);  // ascending
   sliding.erase(std::unique(sliding.begin(), sliding.end()), sliding.end());
-  if (const springnet_status status = known().prepare(std::move(sliding)); status != SPRINGNET_OK) return status;
-  if (const springnet_status status = response_.find(model_, known()); status != SPRINGNET_OK) return status;
+  if (const springnet_status status = reactions.prepare(std::move(sliding)); status != SPRINGNET_OK) return status;
+  if (const springnet_status status = response.find(model_, reactions); status != SPRINGNET_OK) return status;
   for (const ConstraintRow& row : constraints.rows()) {
     if (!constraints.friction_follows_slip(row)) continue;
     Vector3 reaction = Vector3::Zero();
     if (of_step > 0.0 && !model_.rigid.any()) reaction = model_.contact.sweep_impulse(row.first) / of_step;
     if (reaction.isZero(0.0))
-      if (const springnet_status status = known().of(row.first, reaction); status != SPRINGNET_OK) return status;
-    blocks_.add_to_velocity_block(
-        row.first, constraints.friction_derivative(known().placement(), row, at.position, at.velocity, reaction));
+      if (const springnet_status status = reactions.of(row.first, reaction); status != SPRINGNET_OK) return status;
+    use(row, constraints.friction_derivative(reactions.placement(), row, at.position, at.velocity, reaction));
   }
   return SPRINGNET_OK;
 }
@@ -159,8 +168,8 @@ void LinearModel::clear_held(double* values) const {
 }
 
 void LinearModel::project_accelerations(bool transposed, double* values) {
-  if (response_.known())
-    response_.apply(transposed, values);
+  if (last_response_->known())
+    last_response_->apply(transposed, values);
   else
     model_.constraints.project_change(nullptr, values, transposed);
 }
@@ -228,25 +237,48 @@ void LinearModel::begin_system(const layers::SystemWeights& weights) {
   weights_ = weights;
 }
 
-bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
+bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights,
+                                      const std::vector<layers::NodeResponse>* responses) {
   const layers::FlushDenormals flush;
   begin_system(weights);
   const layers::InternalView internal = quiet(model_.internal_for(at.internal));
-  if (!may_be_matrix_free(at) ||
-      !matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
-                            weights_) ||
+  if (!may_be_matrix_free(at, weights)) return false;
+  if (responses != nullptr && !responses->empty()) {
+    if (!node_responses_.empty()) return false;
+    node_responses_ = *responses;
+  }
+  if (!matrix_free_.prepare(at.time, node_arrays(at.position, at.velocity, internal), model_.external_at(at.time),
+                            weights_, node_responses_) ||
       !(matrix_free_.asymmetry() <= max_asymmetry))
     return false;
   prepared_ = Prepared::matrix_free;
   at_hand_ = false;
+  last_response_ = &matrix_free_response_;
   keep_state(at);
   return true;
 }
 
-bool LinearModel::may_be_matrix_free(const springnet_evaluation& at) {
+bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
   if (!suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
+  node_responses_.clear();
+  matrix_free_response_.forget();
   model_.constraints.linearise(*model_.placement(at.time), at.position);
-  return model_.constraints.rows().empty();
+  if (model_.constraints.rows().empty()) return true;
+  ReactionsAt reactions(model_, at.time, at.position, at.velocity, quiet(model_.internal_for(at.internal)));
+  std::vector<std::pair<std::uint32_t, Matrix3>> slips;
+  if (find_response(at, weights.velocity, reactions, matrix_free_response_,
+                    [&](const ConstraintRow& row, const Matrix3& derivative) {
+                      slips.emplace_back(row.first, derivative);
+                    }) != SPRINGNET_OK ||
+      (holds_friction_ && matrix_free_response_.has_friction()))
+    return false;
+  auto next = slips.begin();
+  matrix_free_response_.for_each_lone([&](std::uint32_t node, const Matrix3& response) {
+    layers::NodeResponse& own = node_responses_.emplace_back();
+    own = {node, response, Matrix3::Zero()};
+    for (; next != slips.end() && next->first == node; ++next) own.by_velocity += next->second;
+  });
+  return true;
 }
 
 bool LinearModel::suits_matrix_free() {
@@ -279,7 +311,7 @@ springnet_status LinearModel::assemble_kept() {
   at.position = {state, state + n, state + 2 * n};
   at.velocity = {state + 3 * n, state + 4 * n, state + 5 * n};
   if (kept_internal_.struct_size > 0) at.internal = &kept_internal_;
-  const springnet_status status = linearise(at, 0.0);
+  const springnet_status status = linearise(at, 0.0, weights_.velocity);
   if (status == SPRINGNET_OK) assemble();
   return status;
 }

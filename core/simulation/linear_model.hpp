@@ -48,8 +48,9 @@ class LinearModel {
   // Assembles a system with the derivatives at hand, which is then kept; and solves it, see springnet_host.
   springnet_status prepare(const springnet_linear_system& request);
   // Prepares the symmetric part of the system at a state, if that can be done without its matrix; the derivatives at
-  // hand stay.
-  [[nodiscard]] bool prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights);
+  // hand stay. responses: of nodes on surfaces that are none of the network's; null: none.
+  [[nodiscard]] bool prepare_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights,
+                                         const std::vector<layers::NodeResponse>* responses = nullptr);
   // Whether there is a system to be solved: not after changes of the network.
   [[nodiscard]] bool is_prepared() const noexcept { return prepared_ != Prepared::nothing; }
   springnet_status solve_prepared(springnet_linear_solve& request);
@@ -62,7 +63,8 @@ class LinearModel {
   [[nodiscard]] layers::Linearisation& matrices() noexcept { return blocks_; }
   // Projects velocities onto the constraints, see springnet_host::project.
   springnet_status project(const double* mobility, double* values, bool transposed = false);
-  // The same as accelerations answer, with friction that follows normal reactions.
+  // The same as accelerations answer at the state linearised or prepared last, with friction that follows normal
+  // reactions.
   void project_accelerations(bool transposed, double* values);
   // Drops derivatives, the prepared system and patterns.
   void forget() noexcept;
@@ -81,8 +83,13 @@ class LinearModel {
   // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
   // need both: they are stiff where tensions are great or slips slow.
   springnet_status add_constraints(const springnet_evaluation& at, double of_step);
-  // Lets the constraints follow the state, if it comes to that.
-  [[nodiscard]] bool may_be_matrix_free(const springnet_evaluation& at);
+  // How surfaces answer at a state that the constraints follow, and use(row, derivative) with that of friction by the
+  // velocity of nodes that slip.
+  template <class Use>
+  springnet_status find_response(const springnet_evaluation& at, double of_step, ReactionsAt& reactions,
+                                 ConstrainedResponse& response, const Use& use);
+  // Lets the constraints follow the state, if it comes to that; and finds what they make of single nodes.
+  [[nodiscard]] bool may_be_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights);
   // Whether the preconditioner of the matrix-free solver is good enough for the net.
   [[nodiscard]] bool suits_matrix_free();
   [[nodiscard]] bool is_thin();
@@ -111,8 +118,11 @@ class LinearModel {
   Model& model_;
   layers::Linearisation blocks_;
   bool holds_friction_ = false;
-  ConstrainedResponse response_;             // known where there are constraint rows
-  layers::InternalElimination elimination_;  // of blocks_
+  ConstrainedResponse response_;  // known where there are constraint rows
+  ConstrainedResponse matrix_free_response_;
+  ConstrainedResponse* last_response_ = &response_;   // of what was linearised or prepared last
+  std::vector<layers::NodeResponse> node_responses_;  // of the matrix-free system
+  layers::InternalElimination elimination_;           // of blocks_
   // What is prepared: a matrix, or springs.
   enum class Prepared : std::uint8_t { nothing, assembled, matrix_free };
   Prepared prepared_ = Prepared::nothing;

@@ -60,6 +60,25 @@ TEST_CASE("derivatives of a body that falls on a plane, with every friction, the
       }
 }
 
+// So large that the host's systems have no matrix: they know of the contacts, which would else take iterations each.
+TEST_CASE("derivatives of a large body that falls on a plane, with every friction") {
+  for (const Friction& friction : {held, smooth, rough}) {
+    CAPTURE(static_cast<int>(friction.kind));
+    Network net;
+    Lattice lattice;
+    lattice.nodes = {7, 7, 7};
+    lattice.spacing = {0.1, 0.1, 0.1};
+    lattice.origin = {0, 0, 0.09};
+    lattice.diagonals = Diagonals::face;
+    net.add_lattice("block", lattice, Node{}, net.add_material(damped(2e4, 20.0)));
+    make_uneven(net, 4, 0.005, 0.1, [](const Vector3&) { return Vector3(0.4, 0.2, -0.5); });
+    net.set_gravity({0, 0, -9.81});
+    net.add_plane(floor_with(friction, {0.2, -0.1, 1.0}));
+    check_derivatives(net, 1.0, newton, 0.16, {{Kind::spring_parameter, false, "stiffness", all(net.springs().size())}},
+                      0.02, 1e-9);
+  }
+}
+
 TEST_CASE("derivatives of contact with surfaces that move, turn, are curved and let nodes bounce") {
   for (const Friction& friction : {held, smooth, rough})
     for (const double theta : {1.0, 0.7})

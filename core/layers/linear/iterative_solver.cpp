@@ -3,7 +3,11 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+
+#include "layers/linear/bicgstab.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -12,9 +16,7 @@ namespace {
 constexpr std::size_t blocks_worth_threads = 20000;
 // Enclosures beyond this many are left to the other parts of the preconditioner.
 constexpr std::size_t max_terms = 48;
-// Iterations of BiCGSTAB, besides as many as before, that make the residual small after the preconditioned one.
-constexpr std::uint32_t more_iterations = 10;
-constexpr std::size_t vectors = 8;
+constexpr std::size_t vectors = 6;
 
 }  // namespace
 
@@ -223,7 +225,7 @@ SolveAnswer IterativeSolver::solve(const BlockSystem& system, bool symmetric, do
     double* const work[4] = {work_[0].data(), work_[1].data(), work_[2].data(), work_[3].data()};
     const SolveAnswer own = symmetric ? conjugate_gradients(*this, team, accuracy, max_iterations, b.data(), x.data(),
                                                             work[0], work[1], work[2], work[3])
-                                      : bicgstab(team, accuracy, max_iterations, b.data(), x.data());
+                                      : solve_unsymmetric(team, accuracy, max_iterations, b.data(), x.data());
     if (me == 0) answer = own;
   };
   if (threads <= 1) {
@@ -235,87 +237,31 @@ SolveAnswer IterativeSolver::solve(const BlockSystem& system, bool symmetric, do
   return answer;
 }
 
-// van der Vorst 1992, preconditioned from the left: every vector is a change that the constraints allow.
-SolveAnswer IterativeSolver::bicgstab(Team& team, double accuracy, std::uint32_t max_iterations, const double* b,
-                                      double* x) {
-  double *r = work_[0].data(), *shadow = work_[1].data(), *p = work_[2].data(), *v = work_[3].data(),
-         *t = work_[4].data(), *q = work_[5].data(), *right = work_[6].data();
-  const auto apply = [&](const double* from, double* to) {
-    product(team, from, q);
-    precondition(team, q, to);
-  };
-  const auto norm = [&] {
-    return sum_(team, team.share(chunk_count()),
-                [&](std::size_t c) { return kernels_.square(system_->mass().data(), r, chunk_nodes(c)); });
-  };
+SolveAnswer IterativeSolver::solve_unsymmetric(Team& team, double accuracy, std::uint32_t max_iterations,
+                                               const double* b, double* x) {
   // What the accuracy is of: constraint forces are in a residual until it is preconditioned.
-  const auto residual = [&] {
+  const auto residual = [&]() -> std::optional<double> {
+    if (projection_.change) return std::nullopt;
     const auto square_of = [&](const double* values) {
       return sum_(team, team.share(chunk_count()),
                   [&](std::size_t c) { return kernels_.square(inverse_mass_.data(), values, chunk_nodes(c)); });
     };
+    double *product_of_x = work_[5].data(), *left = work_[4].data();
     team.barrier();
-    product(team, x, q);
-    copy(team, right, t);
-    add(team, -1.0, q, t);
-    const double left = square_of(t), all = square_of(right);
-    return std::sqrt(left / all);
+    product(team, x, product_of_x);
+    copy(team, b, left);
+    add(team, -1.0, product_of_x, left);
+    const double square_left = square_of(left), all = square_of(b);
+    return std::sqrt(square_left / all);
   };
-  double target = accuracy;             // of the preconditioned residual
-  std::uint32_t most = max_iterations;  // once that is as small as asked for
-  copy(team, b, right);
-  zero(team, x);
-  precondition(team, right, r);
-  copy(team, r, shadow);
-  copy(team, r, p);
-  SolveAnswer answer;
-  const double first = norm();
-  if (first == 0.0) {
-    answer.outcome = SolveOutcome::solved;
-    answer.residual = 0.0;
-    return answer;
-  }
-  if (!std::isfinite(first)) return answer;
-  double rho = dot(team, shadow, r);
-  while (answer.iterations < max_iterations) {
-    apply(p, v);
-    const double alpha = rho / dot(team, shadow, v);
-    if (!std::isfinite(alpha)) return answer;
-    add(team, alpha, p, x);
-    add(team, -alpha, v, r);  // s
-    team.barrier();
-    apply(r, t);
-    const double tt = dot(team, t, t), ts = dot(team, t, r);
-    const double omega = tt > 0.0 ? ts / tt : 0.0;
-    add(team, omega, r, x);
-    add(team, -omega, t, r);
-    ++answer.iterations;
-    answer.residual = std::sqrt(norm() / first);
-    if (!std::isfinite(answer.residual)) return answer;
-    if (answer.residual <= target) {
-      const double preconditioned = answer.residual;
-      if (!projection_.change) answer.residual = residual();
-      if (!std::isfinite(answer.residual)) return answer;
-      // A stiff filling hides all else from this norm: an error of its volume by rounding is a large force.
-      if (answer.residual <= accuracy) {
-        answer.outcome = SolveOutcome::solved;
-        return answer;
-      }
-      if (most == max_iterations) most = std::min(max_iterations, 2 * answer.iterations + more_iterations);
-      target = std::min(0.5 * preconditioned * accuracy / answer.residual, accuracy);
-      answer.residual = preconditioned;
-    }
-    if (answer.iterations >= most) return answer;
-    if (is_late(team, answer.iterations)) return answer;
-    const double next = dot(team, shadow, r);
-    const double beta = next / rho * (alpha / omega);
-    if (!std::isfinite(beta) || omega == 0.0) return answer;
-    rho = next;
-    add(team, -omega, v, p);
-    scale_add(team, beta, r, p);
-    team.barrier();
-  }
-  return answer;
+  std::array<double*, 6> work{};
+  for (std::size_t i = 0; i < work.size(); ++i) work[i] = work_[i].data();
+  return bicgstab(*this, team, accuracy, max_iterations, b, x, work, residual);
+}
+
+double IterativeSolver::mass_square(Team& team, const double* r) {
+  return sum_(team, team.share(chunk_count()),
+              [&](std::size_t c) { return kernels_.square(system_->mass().data(), r, chunk_nodes(c)); });
 }
 
 }  // namespace springnet::layers

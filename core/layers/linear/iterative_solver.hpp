@@ -42,7 +42,7 @@ class IterativeSolver {
   // Solutions end soon after it, stalled; null: none. It must outlive the solver.
   void set_deadline(const Deadline* deadline) noexcept { interruption_.set_deadline(deadline); }
 
-  // ---- for conjugate_gradients() ----
+  // ---- for conjugate_gradients() and bicgstab() ----
   // Vectors are [node][3] and one more number.
   void product(Team& team, const double* p, double* q);
   double product_and_dot(Team& team, const double* p, double* q) {
@@ -52,6 +52,7 @@ class IterativeSolver {
   void precondition(Team& team, const double* r, double* z);
   [[nodiscard]] double dot(Team& team, const double* a, const double* b);
   [[nodiscard]] double square(Team& team, const double* r, double along);
+  [[nodiscard]] double mass_square(Team& team, const double* r);
   void add(Team& team, double s, const double* x, double* y) { kernels_.add(s, x, nodes_of(team), y); }
   Sums2 update(Team& team, double step, const double* p, const double* q, double* x, double* r, double* z);
   void scale_add(Team& team, double s, const double* x, double* y) { kernels_.scale_add(s, x, nodes_of(team), y); }
@@ -66,7 +67,7 @@ class IterativeSolver {
   // The calling thread's nodes, whole chunks; or whole pieces of the preconditioner.
   [[nodiscard]] NodeRange nodes_of(const Team& team) const noexcept;
   [[nodiscard]] NodeRange pieces_of(const Team& team) const noexcept;
-  SolveAnswer bicgstab(Team& team, double accuracy, std::uint32_t max_iterations, const double* b, double* x);
+  SolveAnswer solve_unsymmetric(Team& team, double accuracy, std::uint32_t max_iterations, const double* b, double* x);
   void prepare_enclosures(const BlockSystem& system);
   void prepare_coarse(const BlockSystem& system, const std::array<const double*, 3>& position);
   void add_coarse(const double* r, double* z);

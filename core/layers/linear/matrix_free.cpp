@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include <Eigen/Dense>
 
 #include "layers/block.hpp"
 #include "layers/law_pair.hpp"
+#include "layers/linear/bicgstab.hpp"
 #include "layers/springs/blocks.hpp"
 
 namespace springnet::layers {
@@ -52,14 +54,14 @@ bool MatrixFree::fits() const {
 
 void MatrixFree::lay_out() {
   const std::size_t n = layout_.node_count();
-  for (auto* values : {&own_scale_, &inverse_mass_}) values->assign(n, 0.0F);
+  for (auto* values : {&own_scale_, &inverse_mass_, &mass_in_unit_}) values->assign(n, 0.0F);
   own_.assign(12 * n, 0.0);
   blocks_.assign(9 * n, 0.0);
   inverse_.assign(12 * n, 0.0F);
   if (!springs_.follow() && is_laid_out_) return;
   is_laid_out_ = false;  // memory may run out below
-  for (auto& vector : vectors_) vector.assign(4 * n, 0.0F);
-  for (auto* vector : {&solution_, &residual_}) vector->assign(4 * n, 0.0);
+  for (auto& vector : vectors_) vector.clear();
+  for (auto* vector : {&solution_, &residual_, &right_side_}) vector->assign(4 * n, 0.0);
   parts_.clear();
   first_part_.assign(1, 0);
   for (const Unit& unit : layout_.units()) {
@@ -88,8 +90,11 @@ SpringRows MatrixFree::rows_leaving(std::size_t unit) const {
 }
 
 bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
-                         const SystemWeights& weights) {
+                         const SystemWeights& weights, const std::vector<NodeResponse>& responses) {
   lay_out();
+  responses_.set(responses);
+  const std::size_t used = responses_.symmetric() ? 6 : vectors_.size();
+  for (std::size_t i = 0; i < used; ++i) vectors_[i].resize(4 * layout_.node_count());
   if (!set_own_blocks(time, nodes, external, weights)) return false;
   const auto units = static_cast<std::int64_t>(layout_.units().size());
   std::vector<Sums> sums(layout_.units().size());
@@ -106,21 +111,45 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
     all += unit.all;
   }
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
+  add_responses(weights);
+  if (!invert_blocks()) return false;
+  prepare_coarse(nodes);
+  return true;
+}
+
+void MatrixFree::add_responses(const SystemWeights& weights) {
+  responses_.for_each_addition([&](std::uint32_t node, const Eigen::Matrix3d& extra, const Eigen::Matrix3d& slip) {
+    const Eigen::Matrix3d all = mass_[node] / unit_ * (extra - weights.velocity * slip);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      for (Eigen::Index r = 0; r < 3; ++r) {
+        own_[12 * std::size_t{node} + static_cast<std::size_t>(4 * c + r)] += all(r, c);
+        blocks_[9 * std::size_t{node} + static_cast<std::size_t>(3 * c + r)] += all(r, c);
+      }
+    }
+  });
+  isotropic_ = isotropic_ && !responses_.any();
+  if (!isotropic_) own_single_.assign(own_.begin(), own_.end());
+}
+
+bool MatrixFree::invert_blocks() {
+  const auto block = [this](std::size_t node) { return Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * node]); };
+  const auto set = [this](std::size_t node, const Eigen::Matrix3d& inverse) {
+    for (Eigen::Index c = 0; c < 3; ++c)
+      for (Eigen::Index r = 0; r < 3; ++r)
+        inverse_[12 * node + static_cast<std::size_t>(4 * c + r)] = static_cast<float>(inverse(r, c));
+  };
   for (std::size_t k = 0; k < layout_.node_count(); ++k) {
     if (constrained_[k] != 0) continue;
+    mass_in_unit_[k] = static_cast<float>(mass_[k] / unit_);
     inverse_mass_[k] = static_cast<float>(unit_ / mass_[k]);
-    const Eigen::LLT<Eigen::Matrix3d> factors(Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * k]));
+    const Eigen::LLT<Eigen::Matrix3d> factors(block(k));
     if (factors.info() != Eigen::Success) return false;
     const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
     const double least = inverse.diagonal().minCoeff(), most = inverse.diagonal().maxCoeff();
     if (!(least >= 1.0 / greatest && most <= greatest)) return false;  // in single precision
-    for (Eigen::Index c = 0; c < 3; ++c)
-      for (Eigen::Index r = 0; r < 3; ++r)
-        inverse_[12 * k + static_cast<std::size_t>(4 * c + r)] =
-            static_cast<float>(inverse(std::min(r, c), std::max(r, c)));
+    set(k, Eigen::Matrix3d(inverse.selfadjointView<Eigen::Upper>()));
   }
-  prepare_coarse(nodes);
-  return true;
+  return responses_.for_each_inverse(block, set);
 }
 
 void MatrixFree::prepare_coarse(const NodeArrays& nodes) {
@@ -159,7 +188,10 @@ void MatrixFree::prepare_coarse(const NodeArrays& nodes) {
 }
 
 double MatrixFree::correct(Team& team, const float* r, float* z) {
-  team.alone([&] { coarse_part_ = coarse_.correct<4>(r, z); });
+  team.alone([&] {
+    coarse_part_ = coarse_.correct<4>(r, z);
+    responses_.allow({0, layout_.node_count()}, z);
+  });
   return coarse_part_;
 }
 
@@ -211,7 +243,6 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
       }
     }
   }
-  if (!isotropic_) own_single_.assign(own_.begin(), own_.end());
   return true;
 }
 
@@ -327,7 +358,11 @@ SolveAnswer MatrixFree::solve(Team& team, double accuracy, std::uint32_t max_ite
             solution_.begin() + static_cast<std::ptrdiff_t>(4 * end), 0.0);
   for (std::size_t k = begin; k < end; ++k)
     for (std::size_t c = 0; c < 3; ++c)
-      residual_[4 * k + c] = constrained_[k] != 0 ? 0.0 : mass_[k] / unit_ * b[c * n + k];
+      right_side_[4 * k + c] = constrained_[k] != 0 ? 0.0 : mass_[k] / unit_ * b[c * n + k];
+  responses_.take_right_side({begin, end}, right_side_.data());
+  std::copy(right_side_.begin() + static_cast<std::ptrdiff_t>(4 * begin),
+            right_side_.begin() + static_cast<std::ptrdiff_t>(4 * end),
+            residual_.begin() + static_cast<std::ptrdiff_t>(4 * begin));
   const double first = norm(team, residual_.data());
   SolveAnswer answer{SolveOutcome::solved, 0, 0.0};
   if (first == 0.0) return answer;
@@ -339,9 +374,7 @@ SolveAnswer MatrixFree::solve(Team& team, double accuracy, std::uint32_t max_ite
     const double scale = 1.0 / left;
     for (std::size_t i = 4 * begin; i < 4 * end; ++i) vectors_[0][i] = static_cast<float>(scale * residual_[i]);
     const double wanted = accuracy / answer.residual;
-    const SolveAnswer part = conjugate_gradients(
-        *this, team, std::max(wanted, single_accuracy), max_iterations - answer.iterations, vectors_[0].data(),
-        vectors_[1].data(), vectors_[2].data(), vectors_[3].data(), vectors_[4].data(), vectors_[5].data());
+    const SolveAnswer part = solve_once(team, std::max(wanted, single_accuracy), max_iterations - answer.iterations);
     answer.iterations += part.iterations;
     answer.outcome = part.outcome;
     for (std::size_t i = 4 * begin; i < 4 * end; ++i) solution_[i] += left * double{vectors_[1][i]};
@@ -350,7 +383,7 @@ SolveAnswer MatrixFree::solve(Team& team, double accuracy, std::uint32_t max_ite
       return answer;
     }
     const double before = left;
-    left = find_residual(team, b);
+    left = find_residual(team);
     answer.residual = left / first;
     if (answer.residual <= accuracy) return answer;
     if (!(left < max_reduction * before)) {
@@ -363,22 +396,29 @@ SolveAnswer MatrixFree::solve(Team& team, double accuracy, std::uint32_t max_ite
   }
 }
 
-double MatrixFree::find_residual(Team& team, const double* b) {
+SolveAnswer MatrixFree::solve_once(Team& team, double accuracy, std::uint32_t max_iterations) {
+  std::array<float*, 6> work{};
+  for (std::size_t i = 0; i < work.size(); ++i) work[i] = vectors_[i + 2].data();
+  float *const b = vectors_[0].data(), *const x = vectors_[1].data();
+  if (responses_.symmetric())
+    return conjugate_gradients(*this, team, accuracy, max_iterations, b, x, work[0], work[1], work[2], work[3]);
+  const auto none = []() -> std::optional<double> { return std::nullopt; };
+  return bicgstab(*this, team, accuracy, max_iterations, b, x, work, none);
+}
+
+double MatrixFree::find_residual(Team& team) {
   team.barrier();  // solution_ of all
-  const NodeRange units = own_units(team);
-  const std::size_t n = layout_.node_count();
+  const NodeRange units = own_units(team), own = own_nodes(team);
   for (std::size_t u = units.begin; u < units.end; ++u) {
     const Unit& unit = layout_.units()[u];
     const NodeRange nodes{unit.first_node, std::size_t{unit.first_node} + unit.node_count};
     kernels_.diagonal_double(own_.data(), nodes, solution_.data(), residual_.data());
     kernels_.product_double(rows_within(u), nodes, solution_.data(), true, residual_.data());
     kernels_.product_double(rows_leaving(u), nodes, solution_.data(), false, residual_.data());
-    for (std::size_t k = nodes.begin; k < nodes.end; ++k)
-      for (std::size_t c = 0; c < 3; ++c) {
-        double& r = residual_[4 * k + c];
-        r = constrained_[k] != 0 ? 0.0 : mass_[k] / unit_ * b[c * n + k] - r;
-      }
   }
+  responses_.see(own, residual_.data());
+  for (std::size_t i = 4 * own.begin; i < 4 * own.end; ++i)
+    residual_[i] = constrained_[i / 4] != 0 ? 0.0 : right_side_[i] - residual_[i];
   return norm(team, residual_.data());
 }
 
@@ -404,7 +444,8 @@ NodeRange MatrixFree::own_nodes(const Team& team) const {
   return {parts_[parts.begin].begin, parts_[parts.end - 1].end};
 }
 
-double MatrixFree::product_and_dot(Team& team, const float* p, float* q) {
+// Without own_ where they are isotropic, which product_and_dot() adds; with responses they are not.
+void MatrixFree::product(Team& team, const float* p, float* q) {
   const NodeRange units = own_units(team);
   for (std::size_t u = units.begin; u < units.end; ++u) {
     const Unit& unit = layout_.units()[u];
@@ -416,9 +457,23 @@ double MatrixFree::product_and_dot(Team& team, const float* p, float* q) {
     kernels_.product(rows_within(u), nodes, p, true, q);
     kernels_.product(rows_leaving(u), nodes, p, false, q);
   }
+  responses_.see(own_nodes(team), q);
+}
+
+double MatrixFree::product_and_dot(Team& team, const float* p, float* q) {
+  product(team, p, q);
   return sum_(team, own_parts(team), [&](std::size_t i) {
     return isotropic_ ? kernels_.add_and_dot(own_scale_.data(), p, parts_[i], q) : kernels_.dot(p, q, parts_[i]);
   });
+}
+
+void MatrixFree::add(Team& team, double s, const float* x, float* y) {
+  kernels_.add(static_cast<float>(s), x, own_nodes(team), y);
+}
+
+double MatrixFree::mass_square(Team& team, const float* r) {
+  return sum_(team, own_parts(team),
+              [&](std::size_t i) { return kernels_.square(mass_in_unit_.data(), r, parts_[i]); });
 }
 
 void MatrixFree::precondition(Team& team, const float* r, float* z) {

@@ -1,15 +1,16 @@
 // The system of an implicit step of a large net of springs alone, without its matrix: products go over the springs,
 // four numbers each, ordered by their first nodes; the preconditioner inverts the nodes' own blocks, and those of
-// groups of nodes of stiff nets. Nets with elements, rigid connections or nodes that slide, neurons other than point
-// masses with drag, and springs that soften need the assembled block system.
+// groups of nodes of stiff nets. Nets with elements or rigid connections, neurons other than point masses with drag,
+// and springs that soften need the assembled block system.
 //
 // The matrix is the symmetric part of the exact one. With tension T at length l, direction n and weights w_p, w_v of
 // position and velocity, a spring has
 //   w_p K + w_v D = a I + q q^T,   a = w_p T / l,   q = n sqrt(w_p (T' - T / l) + w_v T_u),
 // without the part T_u n w^T of K, which only its relative size tells: asymmetry().
 //
-// Conjugate gradients run in single precision, in units in which masses and right-hand side are about 1. Solutions more
-// accurate than that allows are refined: residuals in double precision are solved for again.
+// Conjugate gradients, or with friction BiCGSTAB, run in single precision, in units in which masses and right-hand side
+// are about 1. Solutions more accurate than that allows are refined: residuals in double precision are solved for
+// again.
 #pragma once
 
 #include <array>
@@ -21,6 +22,7 @@
 #include "layers/linear/coarse_space.hpp"
 #include "layers/linear/conjugate_gradients.hpp"
 #include "layers/linear/deadline.hpp"
+#include "layers/linear/node_response.hpp"
 #include "layers/linear/spring_kernels.hpp"
 #include "layers/linear/spring_order.hpp"
 
@@ -34,22 +36,27 @@ class MatrixFree {
 
   // Whether the net is of this kind, and large enough; depends on its springs that are left.
   [[nodiscard]] bool fits() const;
-  // Linearises at a state. False if a spring, law or neuron does not allow it; nothing is kept then.
+  // Linearises at a state. responses: of nodes on surfaces. False if a spring, law or neuron does not allow it; nothing
+  // is kept then.
   [[nodiscard]] bool prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
-                             const SystemWeights& weights);
+                             const SystemWeights& weights, const std::vector<NodeResponse>& responses);
   [[nodiscard]] double asymmetry() const noexcept { return asymmetry_; }
-  // Solves S x = M b; [3 node], x of all nodes first. Reads b as 0 for nodes that do not move.
+  // Solves S x = M b, with responses x = C K x + b; [3 node], x of all nodes first. Reads b as 0 for nodes that do not
+  // move.
   [[nodiscard]] SolveAnswer solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x);
 
   // Solutions end soon after it, stalled; null: none. It must outlive the solver.
   void set_deadline(const Deadline* deadline) noexcept { interruption_.set_deadline(deadline); }
 
-  // ---- for conjugate_gradients() ----
+  // ---- for conjugate_gradients() and bicgstab() ----
   // Vectors are [node][4]: x, y, z and 0.
   double product_and_dot(Team& team, const float* p, float* q);
   void precondition(Team& team, const float* r, float* z);
   [[nodiscard]] double dot(Team& team, const float* a, const float* b);
+  void product(Team& team, const float* p, float* q);
+  void add(Team& team, double s, const float* x, float* y);
   [[nodiscard]] double square(Team& team, const float* r, double along);
+  [[nodiscard]] double mass_square(Team& team, const float* r);
   Sums2 update(Team& team, double step, const float* p, const float* q, float* x, float* r, float* z);
   void scale_add(Team& team, double s, const float* x, float* y);
   void copy(Team& team, const float* x, float* y);
@@ -73,10 +80,15 @@ class MatrixFree {
   void prepare_coarse(const NodeArrays& nodes);
   // Adds the coarse correction to z = D r; answers r times it.
   double correct(Team& team, const float* r, float* z);
+  // The responses' parts of own_ and blocks_.
+  void add_responses(const SystemWeights& weights);
+  [[nodiscard]] bool invert_blocks();
+  // In single precision: vectors_[1] of vectors_[0].
+  SolveAnswer solve_once(Team& team, double accuracy, std::uint32_t max_iterations);
   // In one thread of the team.
   SolveAnswer solve(Team& team, double accuracy, std::uint32_t max_iterations, const double* b);
-  // residual_ = M b - S solution_, scaled; answers its norm.
-  double find_residual(Team& team, const double* b);
+  // residual_ = right_side_ - S solution_; answers its norm.
+  double find_residual(Team& team);
   [[nodiscard]] double norm(Team& team, const double* residual);
   Sums linearise_unit(std::size_t unit, double time, const NodeArrays& nodes, const SystemWeights& weights);
   [[nodiscard]] bool set_own_blocks(double time, const NodeArrays& nodes, const ExternalForces& external,
@@ -106,8 +118,10 @@ class MatrixFree {
   std::vector<float> inverse_mass_;      // [node]
   CoarseSpace coarse_;
   double coarse_part_ = 0.0;
-  std::array<std::vector<float>, 6> vectors_;  // b, x, r, z, p, q
-  std::vector<double> solution_, residual_;    // [node][4]
+  std::vector<float> mass_in_unit_;  // [node]
+  NodeResponses responses_;
+  std::array<std::vector<float>, 8> vectors_;             // b, x, and of work; the last two for BiCGSTAB alone
+  std::vector<double> solution_, residual_, right_side_;  // [node][4], of M b in the unit of mass
   std::vector<double> force_;
   std::vector<double> by_force_, by_position_, by_velocity_;
   TeamSum sum_;

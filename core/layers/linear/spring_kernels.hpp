@@ -48,6 +48,8 @@ struct SpringKernels {
   double (*square)(const float* w, const float* a, NodeRange nodes);
   // y += w x; answers x.y.
   double (*add_and_dot)(const float* w, const float* x, NodeRange nodes, float* y);
+  // y += s x.
+  void (*add)(float s, const float* x, NodeRange nodes, float* y);
   // y = x + s y.
   void (*scale_add)(float s, const float* x, NodeRange nodes, float* y);
   // x += s p, r -= s q, z = D r; answers r.z and the sum of w r^2.

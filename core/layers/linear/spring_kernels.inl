@@ -237,6 +237,10 @@ double add_and_dot(const float* RESTRICT w, const float* RESTRICT x, NodeRange n
   return total(sums);
 }
 
+void add(float s, const float* RESTRICT x, NodeRange nodes, float* RESTRICT y) {
+  for (std::size_t i = 4 * nodes.begin; i < 4 * nodes.end; ++i) y[i] += s * x[i];
+}
+
 void scale_add(float s, const float* RESTRICT x, NodeRange nodes, float* RESTRICT y) {
   for (std::size_t i = 4 * nodes.begin; i < 4 * nodes.end; ++i) y[i] = x[i] + s * y[i];
 }
@@ -266,8 +270,9 @@ Sums2 advance(float s, const float* RESTRICT p, const float* RESTRICT q, const f
 }  // namespace
 
 const SpringKernels& spring_kernels() {
-  static constexpr SpringKernels table{product, product_double, subtract_transposed, diagonal,  diagonal_double,
-                                       dot,     square,         add_and_dot,         scale_add, advance};
+  static constexpr SpringKernels table{product, product_double, subtract_transposed, diagonal, diagonal_double,
+                                       dot,     square,         add_and_dot,         add,      scale_add,
+                                       advance};
   return table;
 }
 

@@ -26,8 +26,8 @@ constexpr double first_shift = 1.0, shift_growth = 10.0, min_shift = 0.05;
 // Renewing them costs about as much as these iterations of a linear solve; a sweep costs those of its solve and some
 // more. Derivatives at hand reduce the residual by this at best, as the first solves are no more accurate.
 constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
-// A step from a guess that has not settled after this many sweeps starts again from its start: a guess may lead
-// contacts into a cycle.
+// A step from a guess that has not settled after this many sweeps, nor is about to, starts again from its start: a
+// guess may lead contacts into a cycle.
 constexpr std::uint64_t patience_with_guess = 12;
 // Steps in which systems are exact after an approximate one has converged slowly; and in which they are not, after an
 // exact one has, too.
@@ -326,7 +326,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
 }
 
 void Newton::sweep(Step& step) {
-  if (guessed_ && step.sweeps >= patience_with_guess) start_again(step);
+  if (guessed_ && step.sweeps >= patience_with_guess && !(rate_ < fast_convergence)) start_again(step);
   std::uint64_t changes = contact_changes_;
   const double norm_before = at_outputs_.norm;
   for (int tries = 1;; ++tries) {

@@ -75,6 +75,7 @@ void Newton::start(Step& step) {
 // The careful way, after a guess that led astray: from the state at the start of the step.
 void Newton::start_again(Step& step) {
   step.outputs = nullptr;
+  step.has_begun_again = true;
   guessed_ = linearised_ = false;
   rate_ = kept_rate_ = 1.0;
   start(step);

@@ -59,6 +59,11 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
   while (limits.exact_sweeps == 0 || step.sweeps < limits.exact_sweeps) {
     const bool waited = step.waits;
     sweep(rule, step, acceleration);
+    if (step.has_begun_again) {
+      monitor.forget();
+      check = {};
+      step.has_begun_again = false;
+    }
     if (!acceleration.record(step)) return Verdict::diverging;
     watch.after_sweep(step);
     // Contacts have to be decided.

@@ -44,6 +44,7 @@ struct Step {
   // last sweep, if the rule knows that.
   double norm = std::numeric_limits<double>::quiet_NaN(), rate = std::numeric_limits<double>::quiet_NaN();
   bool is_provisional = false;    // outputs are only where a search begins: not for a state, whatever the time
+  bool has_begun_again = false;   // a sweep has, from the start: forces before it tell nothing
   bool residual_decides = false;  // the residual alone, which the rule has set, tells whether the step has settled
   mutable springnet_internal internal{};
 
