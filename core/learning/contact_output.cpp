@@ -256,7 +256,7 @@ class NodeOnSurfaces {
   // m/s: steps have settled to the tolerance of the integrator only.
   [[nodiscard]] double tolerance() const {
     constexpr double share = 1e-4;
-    return share * (node_.v.norm() + node_.U.norm() + (node_.free - node_.v).norm());
+    return share * (node_.v.norm() + node_.U.norm() + (node_.free - node_.v).norm()) + node_.unsettled;
   }
   // Positions depend on P by the normals there: dP = change(P) dP + change(p, v, V).
   [[nodiscard]] std::optional<OutputDerivative> matched(const Output& output) const {

@@ -27,6 +27,7 @@ struct NodeOverStep {
   Vector3 p, v;
   Vector3 free;  // V
   Vector3 P, U;
+  double unsettled = 0.0;  // m/s: how far V, and so P / h and U, may be from those of a step that is settled exactly
 };
 
 // A node that has arrived: its velocity in the step, m/s, and how that at the end follows it and P.

@@ -154,9 +154,17 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
     free += step.c * accelerations(of, evaluation(step.from));
     begin_step(step);
   }
-  constraints->find_outputs({step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v,
-                             step.until.p, arrivals.empty() ? step.until.v : end_velocity, step.kept},
-                            free, outputs);
+  constraints->find_outputs(
+      {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p,
+       arrivals.empty() ? step.until.v : end_velocity, step.kept, unsettled_by(step.number)},
+      free, outputs);
+}
+
+// m/s. The residual is of the last sweep, which has moved nodes in contact by forces of the one before.
+double MotionDerivatives::Impl::unsettled_by(std::size_t number) const {
+  constexpr double residuals = 4.0;
+  if (number == 0 || number >= settled.size()) return 0.0;
+  return residuals * (settled[number].velocity - settled[number - 1].velocity);
 }
 
 MotionDerivatives::MotionDerivatives(const std::shared_ptr<const Network>& network,

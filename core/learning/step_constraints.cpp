@@ -138,8 +138,8 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
     const std::uint32_t k = each.node;
     if (model.contact.fixed()[k] != 0 || is_rigid(k)) continue;
     each.arrives = arrives(model.contact, each);
-    const NodeOverStep node{node_of(step.p, k), node_of(step.v, k), node_of(free, k), node_of(step.P, k),
-                            node_of(step.U, k)};
+    const NodeOverStep node{node_of(step.p, k), node_of(step.v, k), node_of(free, k),
+                            node_of(step.P, k), node_of(step.U, k), step.unsettled};
     const auto derivative = output_derivative(model.contact, placement, each, node);
     if (!derivative)
       throw Error(
