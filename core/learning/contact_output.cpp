@@ -49,7 +49,7 @@ class NodeOnSurfaces {
     const bool holds = friction(touch.surface).kind == Friction::Kind::held;
     if (holds && stayed) return matched(carried_by(touch.surface));
     if (holds && !how_.bounces) return matched(where_it_touched());
-    if (const auto found = matched(along_surface())) return found;
+    if (const auto found = matched(nearer_along_surface())) return found;
     return touch.slides ? std::nullopt : matched(carried_by(touch.surface));
   }
 
@@ -153,8 +153,18 @@ class NodeOnSurfaces {
     return -contact_.obstacles()[index(j)].restitution() * dot(normal(j, place), v_ - at_end_.velocity(j, place));
   }
 
-  // See Contact::slide_along.
-  [[nodiscard]] Output along_surface() const {
+  [[nodiscard]] double mismatch(const Output& output) const {
+    return (value_of(output.velocity) - node_.U).norm() + (value_of(output.position) - node_.P).norm() / step_.h;
+  }
+  // Next to the cone of friction a step that is not settled exactly may stick where its V would slip.
+  [[nodiscard]] Output nearer_along_surface() const {
+    const Output output = along_surface(false);
+    if (how_.touch.slides || friction(how_.touch.surface).kind != Friction::Kind::coulomb) return output;
+    const Output stuck = along_surface(true);
+    return mismatch(stuck) < mismatch(output) ? stuck : output;
+  }
+  // See Contact::slide_along. sticks: whatever V is.
+  [[nodiscard]] Output along_surface(bool sticks) const {
     const std::int32_t j = how_.touch.surface;
     const Friction& rough = friction(j);
     const bool is_carried = rough.kind != Friction::Kind::none;
@@ -170,7 +180,7 @@ class NodeOnSurfaces {
       left = relative + into * n;
     } else if (rough.kind == Friction::Kind::coulomb && how_.kept) {
       left = slips_on(relative, n, w);
-    } else if (rough.kind == Friction::Kind::coulomb) {
+    } else if (rough.kind == Friction::Kind::coulomb && !sticks) {
       const Vector along = relative + into * n;
       const Number slip = length(along);
       if (!(into.value > 0.0 && pressing.value > 0.0)) {

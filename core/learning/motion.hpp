@@ -219,8 +219,9 @@ struct MotionDerivatives::Impl {
   // Nodes that arrive at a surface, and velocities in the step. Before end_of() of this step.
   void find_arrivals(const Step& step);
   void find_outputs(const Step& step);
-  // By how much a step may have left velocities from those of one that is settled exactly.
-  [[nodiscard]] double unsettled_by(std::size_t number) const;
+  // By how much the step that ends at a time, or has it within, may have left velocities from those of one that is
+  // settled exactly, m/s.
+  [[nodiscard]] double unsettled_until(double time) const;
   [[nodiscard]] const sdk::Host& host_at_start(std::size_t state, double from, double until);
   [[nodiscard]] Engine& engine_of(const sdk::Host& of) { return &of == &host ? engine : constraints->engine(); }
   [[nodiscard]] bool is_constrained_at(std::size_t state) { return constraints && constraints->any_at(state); }

@@ -156,14 +156,16 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
   }
   constraints->find_outputs(
       {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p,
-       arrivals.empty() ? step.until.v : end_velocity, step.kept, unsettled_by(step.number)},
+       arrivals.empty() ? step.until.v : end_velocity, step.kept, unsettled_until(step.until.time)},
       free, outputs);
 }
 
 // m/s. The residual is of the last sweep, which has moved nodes in contact by forces of the one before.
-double MotionDerivatives::Impl::unsettled_by(std::size_t number) const {
-  constexpr double residuals = 4.0;
-  if (number == 0 || number >= settled.size()) return 0.0;
+double MotionDerivatives::Impl::unsettled_until(double time) const {
+  constexpr double residuals = 4.0, rounding = 1e-6;
+  const double steps = std::ceil((time - trajectory.time(0)) / time_step - rounding);
+  if (!(steps >= 1.0 && steps < static_cast<double>(settled.size()))) return 0.0;
+  const auto number = static_cast<std::size_t>(steps);
   return residuals * (settled[number].velocity - settled[number - 1].velocity);
 }
 

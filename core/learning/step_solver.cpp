@@ -95,12 +95,17 @@ void StepSolver::precondition(const VectorXd& in, double accuracy, VectorXd& out
     static_cast<void>(host_.solve_system(in.data(), accuracy, out.data()));
     return;
   }
-  outputs_->from_free(in, work_, other_);
-  work_ /= w_;
+  // Of nodes with rigid connections the system knows nothing: they go through it as if they were free.
+  const auto n = static_cast<Eigen::Index>(mass_.size() / 3);
+  work_ = in;
+  for (const layers::NodeResponse& each : responses_) {
+    const Eigen::Index k = each.node;
+    const Eigen::Vector3d answer = each.response * Eigen::Vector3d(in[k], in[n + k], in[2 * n + k]);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) work_[axis * n + k] = answer[axis];
+  }
   static_cast<void>(host_.solve_system(work_.data(), accuracy, out.data()));
   work_ = w_ * out;
   host_.jacobian_times(work_.data(), out.data(), by_position_.data());
-  const auto n = static_cast<Eigen::Index>(mass_.size() / 3);
   for (const layers::NodeResponse& each : responses_) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       const Eigen::Index i = axis * n + each.node;

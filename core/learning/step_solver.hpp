@@ -20,8 +20,9 @@ namespace springnet::learning {
 // (Saad, SIAM J. Sci. Comput. 14, 1993), preconditioned by the host's own solver of the step: it solves
 // A x = b, and A^T y = b as y = M x with A x = M^-1 b, exactly where M A is symmetric, as of nets with potentials and
 // damping along relative velocities. Other damping leaves a few iterations. With C the outputs of nodes on surfaces,
-// and A = I - K C, it solves y = C K y + C b, which gives x = K y + b; and x = C^T K x + b, for b in the range of C^T,
-// which is that of x in A^T. Vectors have 3 node numbers, x of all nodes first.
+// and A = I - K C, it solves y = C K y + C b, which gives x = K y + b; and x = C^T K x + b, for b in the range of C^T;
+// what accelerations of the next step's start have outside of it is left to the iteration. Vectors have 3 node numbers,
+// x of all nodes first.
 class StepSolver {
  public:
   // The host is the engine's.

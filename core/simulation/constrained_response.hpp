@@ -57,7 +57,7 @@ class ConstrainedResponse {
   struct Lone {  // a node without rigid connections, on surfaces
     std::uint32_t node;
     Matrix3 response, straight_response;  // without the turn of a slip that begins: a projection
-    Matrix3 by_position, by_velocity;  // P X - D (G D)^-1 r
+    Matrix3 by_position, by_velocity;     // P X - D (G D)^-1 r
   };
   struct FrictionColumn {  // of the rows of clusters
     Eigen::Index row;

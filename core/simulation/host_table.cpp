@@ -233,8 +233,12 @@ springnet_status constrain(void* context, const springnet_sweep* request) {
                            [&](Engine& engine) { return engine.constrain(checked_end(request)); });
 }
 springnet_status project(void* context, const springnet_projection* request) {
-  return linearised(context, "project", [&](Engine& engine) {
+  return outside_of_sweeps(context, "project", [&](Engine& engine) {
     const springnet_projection& projection = SPRINGNET_REQUEST(springnet_projection, request, values);
+    // A system without a matrix has no derivatives at hand, but knows how surfaces answer.
+    const bool is_ready = (projection.kind & SPRINGNET_TRUE_FRICTION) != 0 && engine.linear().is_prepared();
+    if (!is_ready && !engine.linear().known())
+      throw Error(ErrorKind::plugin, "derivatives were asked for before linearise");
     require_array(projection.values, "values");
     require_kind(projection.kind, SPRINGNET_TRANSPOSED | SPRINGNET_TRUE_FRICTION);
     const bool transposed = (projection.kind & SPRINGNET_TRANSPOSED) != 0;

@@ -48,6 +48,7 @@ LinearModel::~LinearModel() = default;
 
 void LinearModel::forget() noexcept {
   sweep_.reset();
+  last_response_ = &response_;
   at_hand_ = indefinite_ = matrix_free_stalled_ = false;
   topology_changed();
 }
@@ -170,6 +171,8 @@ void LinearModel::clear_held(double* values) const {
 void LinearModel::project_accelerations(bool transposed, double* values) {
   if (last_response_->known())
     last_response_->apply(transposed, values);
+  else if (last_response_ == &matrix_free_response_)
+    clear_held(values);  // no node slides
   else
     model_.constraints.project_change(nullptr, values, transposed);
 }
@@ -232,6 +235,7 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
 
 void LinearModel::begin_system(const layers::SystemWeights& weights) {
   prepared_ = Prepared::nothing;
+  last_response_ = &response_;
   indefinite_ = false;
   if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
   weights_ = weights;
@@ -262,6 +266,13 @@ bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layer
   if (!suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
   node_responses_.clear();
   matrix_free_response_.forget();
+  // The rows of the last linearise() stay.
+  struct SetAside {
+    ConstraintSet& constraints;
+    ConstraintSet::Linearised kept{};
+    explicit SetAside(ConstraintSet& set) : constraints(set) { constraints.exchange(kept); }
+    ~SetAside() { constraints.exchange(kept); }
+  } const aside(model_.constraints);
   model_.constraints.linearise(*model_.placement(at.time), at.position);
   if (model_.constraints.rows().empty()) return true;
   ReactionsAt reactions(model_, at.time, at.position, at.velocity, quiet(model_.internal_for(at.internal)));

@@ -6,20 +6,10 @@
 
 #include <doctest/doctest.h>
 
+#include "number_after.hpp"
 #include "temporary_folder.hpp"
 
 using namespace springnet::testing;
-
-namespace {
-
-// The number behind the words.
-double number_after(const std::string& text, const std::string& words) {
-  const std::size_t at = text.find(words);
-  REQUIRE(at != std::string::npos);
-  return std::strtod(text.c_str() + at + words.size(), nullptr);
-}
-
-}  // namespace
 
 TEST_CASE("the gall bladder of an expert's words becomes the one that was observed") {
   const TemporaryFolder folder;

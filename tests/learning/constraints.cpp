@@ -84,6 +84,18 @@ TEST_CASE("derivatives of a large body that falls on a plane, with every frictio
   }
 }
 
+TEST_CASE("derivatives of a large body with rigid connections beside its contacts") {
+  Network net = large_body(smooth);
+  const auto first = static_cast<NodeIndex>(net.nodes().size());
+  for (int k = 0; k < 3; ++k) net.add_node(point({0.2 + 0.2 * k, 0.3, 0.9 + 0.05 * k}, 1.0, {0.1 * k, 0.0, 0.0}));
+  net.add_rigid(first, first + 1);
+  net.add_rigid(first + 1, first + 2);
+  const MaterialIndex soft = net.add_material(damped(300.0, 1.0));
+  for (NodeIndex k = 0; k < 3; ++k) net.add_spring(first - 1 - 7 * k, first + k, soft);
+  check_derivatives(net, 1.0, newton, 0.16, {{Kind::spring_parameter, false, "stiffness", all(net.springs().size())}},
+                    0.02, 1e-8);
+}
+
 // Velocities of nodes in contact are then off by more than 1e-4 of themselves.
 TEST_CASE("steps that leave much unbalanced have derivatives that are off by as much") {
   const auto net = std::make_shared<const Network>(large_body(rough));

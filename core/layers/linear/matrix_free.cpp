@@ -111,13 +111,12 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
     all += unit.all;
   }
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
-  add_responses(weights);
   if (!invert_blocks()) return false;
   prepare_coarse(nodes);
-  return true;
+  return add_responses(weights);
 }
 
-void MatrixFree::add_responses(const SystemWeights& weights) {
+bool MatrixFree::add_responses(const SystemWeights& weights) {
   responses_.for_each_addition([&](std::uint32_t node, const Eigen::Matrix3d& extra, const Eigen::Matrix3d& slip) {
     const Eigen::Matrix3d all = mass_[node] / unit_ * (extra - weights.velocity * slip);
     for (Eigen::Index c = 0; c < 3; ++c) {
@@ -129,27 +128,30 @@ void MatrixFree::add_responses(const SystemWeights& weights) {
   });
   isotropic_ = isotropic_ && !responses_.any();
   if (!isotropic_) own_single_.assign(own_.begin(), own_.end());
+  return responses_.for_each_inverse(
+      [this](std::size_t node) { return Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * node]); },
+      [this](std::size_t node, const Eigen::Matrix3d& inverse) { set_inverse(node, inverse); });
+}
+
+void MatrixFree::set_inverse(std::size_t node, const Eigen::Matrix3d& inverse) {
+  for (Eigen::Index c = 0; c < 3; ++c)
+    for (Eigen::Index r = 0; r < 3; ++r)
+      inverse_[12 * node + static_cast<std::size_t>(4 * c + r)] = static_cast<float>(inverse(r, c));
 }
 
 bool MatrixFree::invert_blocks() {
-  const auto block = [this](std::size_t node) { return Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * node]); };
-  const auto set = [this](std::size_t node, const Eigen::Matrix3d& inverse) {
-    for (Eigen::Index c = 0; c < 3; ++c)
-      for (Eigen::Index r = 0; r < 3; ++r)
-        inverse_[12 * node + static_cast<std::size_t>(4 * c + r)] = static_cast<float>(inverse(r, c));
-  };
   for (std::size_t k = 0; k < layout_.node_count(); ++k) {
     if (constrained_[k] != 0) continue;
     mass_in_unit_[k] = static_cast<float>(mass_[k] / unit_);
     inverse_mass_[k] = static_cast<float>(unit_ / mass_[k]);
-    const Eigen::LLT<Eigen::Matrix3d> factors(block(k));
+    const Eigen::LLT<Eigen::Matrix3d> factors(Eigen::Map<const Eigen::Matrix3d>(&blocks_[9 * k]));
     if (factors.info() != Eigen::Success) return false;
     const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
     const double least = inverse.diagonal().minCoeff(), most = inverse.diagonal().maxCoeff();
     if (!(least >= 1.0 / greatest && most <= greatest)) return false;  // in single precision
-    set(k, Eigen::Matrix3d(inverse.selfadjointView<Eigen::Upper>()));
+    set_inverse(k, Eigen::Matrix3d(inverse.selfadjointView<Eigen::Upper>()));
   }
-  return responses_.for_each_inverse(block, set);
+  return true;
 }
 
 void MatrixFree::prepare_coarse(const NodeArrays& nodes) {

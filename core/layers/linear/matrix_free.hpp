@@ -42,7 +42,8 @@ class MatrixFree {
                              const SystemWeights& weights, const std::vector<NodeResponse>& responses);
   [[nodiscard]] double asymmetry() const noexcept { return asymmetry_; }
   // Solves S x = M b, with responses x = C K x + b; [3 node], x of all nodes first. Reads b as 0 for nodes that do not
-  // move.
+  // move. Accuracy is of the norm of M^-1/2 (M b - S x); with friction, up to what single precision reaches, of the
+  // preconditioned residual.
   [[nodiscard]] SolveAnswer solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x);
 
   // Solutions end soon after it, stalled; null: none. It must outlive the solver.
@@ -80,9 +81,10 @@ class MatrixFree {
   void prepare_coarse(const NodeArrays& nodes);
   // Adds the coarse correction to z = D r; answers r times it.
   double correct(Team& team, const float* r, float* z);
-  // The responses' parts of own_ and blocks_.
-  void add_responses(const SystemWeights& weights);
   [[nodiscard]] bool invert_blocks();
+  void set_inverse(std::size_t node, const Eigen::Matrix3d& inverse);
+  // The responses' parts of own_, blocks_ and inverses. False: one has none.
+  [[nodiscard]] bool add_responses(const SystemWeights& weights);
   // In single precision: vectors_[1] of vectors_[0].
   SolveAnswer solve_once(Team& team, double accuracy, std::uint32_t max_iterations);
   // In one thread of the team.

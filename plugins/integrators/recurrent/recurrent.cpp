@@ -123,7 +123,7 @@ Attempt Recurrent::propagate_by(Update update, Step& step, std::uint64_t max_swe
   attempt.update = update;
   step.sweeps = 0;
   step.differences = {};
-  step.keeps_order = step.waits = step.is_provisional = false;
+  step.keeps_order = step.waits = step.is_provisional = step.has_begun_again = false;
   step.relaxation = 1.0;
   step.start_node = no_node;
   step.finite = true;

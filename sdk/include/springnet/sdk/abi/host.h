@@ -242,7 +242,7 @@ typedef struct springnet_user_note {
 
 /* values -= W G^T (G W G^T)^-1 G values, 3n numbers; 0 for fixed and held nodes. G: derivatives of rigid connections
  * and of surfaces that nodes slide on, at the state last given to `linearise`. W: `mobility`. Velocities so projected
- * satisfy the constraints. */
+ * satisfy the constraints. With SPRINGNET_TRUE_FRICTION: at the state last given to `linearise` or `prepare_system`. */
 typedef struct springnet_projection {
   uint32_t struct_size;
   uint32_t kind;          /* 2.1: SPRINGNET_TRANSPOSED | SPRINGNET_TRUE_FRICTION; 0: as described above */
