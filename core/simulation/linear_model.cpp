@@ -9,6 +9,7 @@
 #include "layers/linear/thinness.hpp"
 #include "simulation/linear_sweep.hpp"
 #include "simulation/reactions_at.hpp"
+#include "simulation/rows_aside.hpp"
 
 namespace springnet {
 namespace {
@@ -266,13 +267,7 @@ bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layer
   if (!suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
   node_responses_.clear();
   matrix_free_response_.forget();
-  // The rows of the last linearise() stay.
-  struct SetAside {
-    ConstraintSet& constraints;
-    ConstraintSet::Linearised kept{};
-    explicit SetAside(ConstraintSet& set) : constraints(set) { constraints.exchange(kept); }
-    ~SetAside() { constraints.exchange(kept); }
-  } const aside(model_.constraints);
+  const RowsAside aside(model_.constraints);
   model_.constraints.linearise(*model_.placement(at.time), at.position);
   if (model_.constraints.rows().empty()) return true;
   ReactionsAt reactions(model_, at.time, at.position, at.velocity, quiet(model_.internal_for(at.internal)));

@@ -5,6 +5,7 @@
 #include <springnet/error.hpp>
 
 #include "simulation/reactions_at.hpp"
+#include "simulation/rows_aside.hpp"
 
 namespace springnet {
 namespace {
@@ -82,13 +83,7 @@ struct ParameterModel::At {
 };
 
 springnet_status ParameterModel::find_response(const At& at) {
-  // The rows of the last linearise() stay.
-  struct SetAside {
-    ConstraintSet& constraints;
-    ConstraintSet::Linearised kept{};
-    explicit SetAside(ConstraintSet& set) : constraints(set) { constraints.exchange(kept); }
-    ~SetAside() { constraints.exchange(kept); }
-  } const aside(model_.constraints);
+  const RowsAside aside(model_.constraints);
   const springnet_evaluation& request = at.request;
   model_.constraints.linearise(*model_.placement(request.time), request.position);
   ReactionsAt reactions(model_, request.time, request.position, request.velocity, at.internal);

@@ -1,10 +1,10 @@
 # What three cameras see of the trajectory of a cloud: nodes that nothing hides, with noise and gaps. Every second one is
-# a track, whose node is known, the others are points alone.
+# a track, whose node is known; of the others every fourth is a point alone.
 # Variables: nodes, noise (m), seed, tracks and points (files).
 function uniform() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }
 function normal() { return sqrt(-2 * log(uniform())) * cos(6.283185307179586 * uniform()) }
 # Orthographic, in cells of 8 mm; what is farther back than 6 mm behind the nearest of its cell is hidden.
-function look(camera,   i, turn, u, v, depth, cell, key) {
+function look(camera,   i, turn, u, v, depth, cell) {
   turn = camera * 2.0943951023931953 + 0.3
   delete front
   for (i = 0; i < nodes; ++i) {
