@@ -12,6 +12,7 @@ namespace springnet::layers {
 
 // Most slots of a segment: its scratch arrays fit the first-level cache.
 inline constexpr std::size_t max_segment = 448;
+inline constexpr std::uint32_t no_spring = 0xffffffffu;  // in a place of a segment
 // Springs of a chunk, as many as the widest vectors have numbers.
 inline constexpr std::uint32_t chunk_springs = 8;
 static_assert(chunk_springs == several_at_once);

@@ -166,16 +166,17 @@ void Layout::write_value(std::uint32_t unit_number, std::uint32_t own, std::uint
   const Group& group = laws_.groups[segment.group];
   if (segment.row == mixed_rows && segment.value_columns == group.columns.size()) {
     unit.values.own()[segment.value_begin + change.column * segment.count + (place - segment.begin)] = change.value;
-  } else {
-    segment.row = mixed_rows;
-    std::vector<double>& values = unit.values.own();
-    segment.value_begin = values.size();
-    segment.value_columns = static_cast<std::uint32_t>(group.columns.size());
-    for (const Column<double>& column : group.columns) {
-      for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
-        const std::uint32_t other = unit.spring[slot];
-        values.push_back(other == no_spring ? 0.0 : column[laws_.row[other]]);
-      }
+    unit.settle_value(s, change.column, place - segment.begin);
+    return;
+  }
+  segment.row = mixed_rows;
+  std::vector<double>& values = unit.values.own();
+  segment.value_begin = values.size();
+  segment.value_columns = static_cast<std::uint32_t>(group.columns.size());
+  for (const Column<double>& column : group.columns) {
+    for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
+      const std::uint32_t other = unit.spring[slot];
+      values.push_back(other == no_spring ? 0.0 : column[laws_.row[other]]);
     }
   }
   unit.settle_values(s);

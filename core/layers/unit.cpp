@@ -55,6 +55,19 @@ void Unit::settle_values(std::size_t index) {
   }
 }
 
+void Unit::settle_value(std::size_t index, std::size_t column, std::uint32_t place) {
+  const Segment& segment = segments[index];
+  if (segment.dead == 0 || segment.dead == segment.count) return;
+  if (place == segment.living) return settle_values(index);
+  const std::uint32_t at = place / chunk_springs * chunk_springs;
+  const unsigned mask = live_in(segment)[place / chunk_springs];
+  if (segment.access != Access::chunks || mask == 0 || at + static_cast<std::uint32_t>(std::countr_zero(mask)) != place)
+    return;
+  double* const values_of_chunk = values.own().data() + segment.value_begin + column * segment.count + at;
+  for (std::uint32_t i = 0; i < chunk_springs; ++i)
+    if ((mask >> i & 1u) == 0) values_of_chunk[i] = values_of_chunk[place - at];
+}
+
 SegmentColumns::SegmentColumns(const Unit& unit, const Segment& segment, const Group& group) noexcept {
   const double* next = unit.values.data() + segment.value_begin;
   const bool all = segment.value_columns == group.columns.size();

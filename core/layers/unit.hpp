@@ -18,7 +18,6 @@
 namespace springnet::layers {
 
 inline constexpr std::uint32_t mixed_rows = 0xffffffffu;
-inline constexpr std::uint32_t no_spring = 0xffffffffu;
 
 // Springs that are read and written contiguously, through a window, or one by one.
 enum class Access : std::uint8_t {
@@ -93,6 +92,8 @@ struct Unit {
   // first one of their chunk, or of `living`. A law could fail for the length of one spring and the rest length of
   // another.
   void settle_values(std::size_t segment);
+  // The same where one value of a segment of mixed rows has changed; place: of the slot in the segment.
+  void settle_value(std::size_t segment, std::size_t column, std::uint32_t place);
 };
 
 // Where the values of the columns of a segment of mixed rows are: RowSelection::columns. A column without any has one

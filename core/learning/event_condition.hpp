@@ -18,6 +18,7 @@ struct EventCondition {
   double by_time = 0.0;
   Eigen::VectorXd by_acceleration;  // of nodes without constraints, [3 node]; empty: it does not matter
   Eigen::VectorXd by_values;        // by what is learned, in itself; empty: it does not matter
+  Eigen::VectorXd by_internal;      // by internal states of laws
 };
 
 // The value of an event of a node, by its own position, velocity and acceleration without constraints, and by time.

@@ -9,6 +9,7 @@
 
 #include "layers/internal_members.hpp"
 #include "layers/internal_queries.hpp"
+#include "simulation/event_derivatives.hpp"
 
 namespace springnet::learning {
 
@@ -108,6 +109,44 @@ const springnet_internal* InternalStates::as_they_are(const VectorXd& z) {
   return &as_they_are_;
 }
 
+VectorXd InternalStates::at_end(const sdk::Host& host, springnet_evaluation end, double time_step) {
+  VectorXd next(count_);
+  if (!any()) return next;
+  acceleration_.resize(3 * static_cast<Eigen::Index>(host.network().node_count));
+  double* const a = acceleration_.data();
+  const std::size_t n = host.network().node_count;
+  const springnet_internal asked{sizeof asked, order_, time_step, nullptr, next.data(), nullptr};
+  end.internal = &asked;
+  end.acceleration = {a, a + n, a + 2 * n};
+  host.evaluate(end);
+  return next;
+}
+
+// Two one-sided differences, of which the second order is left: states may follow nodes at once, and then have no rate
+// of their own.
+VectorXd InternalStates::rates(const sdk::Host& host, const springnet_evaluation& start, const VectorXd& accelerations,
+                               double short_time) {
+  if (!any()) return {};
+  const auto n = static_cast<Eigen::Index>(host.network().node_count);
+  const auto all = [n](const springnet_const_vectors& of) {
+    VectorXd result(3 * n);
+    result << Eigen::Map<const VectorXd>(of.x, n), Eigen::Map<const VectorXd>(of.y, n),
+        Eigen::Map<const VectorXd>(of.z, n);
+    return result;
+  };
+  const VectorXd p = all(start.position), v = all(start.velocity);
+  const Eigen::Map<const VectorXd> z(start.internal->values, count_);
+  const auto difference = [&](double time) {
+    const VectorXd later_p = p + time * v + 0.5 * time * time * accelerations, later_v = v + time * accelerations;
+    springnet_evaluation end = start;
+    end.time += time;
+    end.position = {later_p.data(), later_p.data() + n, later_p.data() + 2 * n};
+    end.velocity = {later_v.data(), later_v.data() + n, later_v.data() + 2 * n};
+    return VectorXd((at_end(host, end, time) - z) / time);
+  };
+  return 2.0 * difference(0.5 * short_time) - difference(short_time);
+}
+
 layers::NodeArrays InternalStates::nodes_of(const springnet_evaluation& at) const noexcept {
   return {at.position.x, at.position.y, at.position.z, at.velocity.x, at.velocity.y, at.velocity.z};
 }
@@ -169,6 +208,14 @@ void InternalStates::add_by_start(const springnet_evaluation& start, const sprin
   }
 }
 
+void InternalStates::resize_changes(Eigen::Index columns) {
+  const Eigen::Index before = changes_.cols();
+  for (MatrixXd* each : {&changes_, &by_values_}) {
+    each->conservativeResize(count_, columns);
+    if (columns > before) each->rightCols(columns - before).setZero();
+  }
+}
+
 double* InternalStates::by_values(Eigen::Index column) { return any() ? by_values_.col(column).data() : nullptr; }
 
 void InternalStates::end_step(const springnet_evaluation& end, const MatrixXd& dp, const MatrixXd& dv) {
@@ -199,11 +246,20 @@ void InternalStates::weigh_start(const springnet_evaluation& start, const spring
   weights_ = next_;
 }
 
-void InternalStates::weigh_accelerations(const springnet_evaluation& at, const VectorXd& accelerations) {
+void InternalStates::weigh_accelerations(const springnet_evaluation& at, const VectorXd& accelerations, VectorXd& to) {
   if (!any()) return;
   find(at);
   force_of(accelerations);
-  step_.weigh_start(nodes_of(at), force_.data(), nullptr, weights_.data(), nullptr, nullptr);
+  step_.weigh_start(nodes_of(at), force_.data(), nullptr, to.data(), nullptr, nullptr);
+}
+
+void InternalStates::add_margin(const springnet_evaluation& at, std::uint32_t event, VectorXd& to) {
+  if (!any()) return;
+  auto request = sdk::sized<springnet_event_derivative>();
+  request.at = &at;
+  request.event = event;
+  static_cast<void>(
+      find_event_derivative(engine_.model(), engine_.contact_events(), engine_.topology(), request, to.data()));
 }
 
 }  // namespace springnet::learning

@@ -7,6 +7,7 @@
 // follows. What is left is here: how accelerations and Z change with the start, and Z with P and U.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -39,12 +40,21 @@ class InternalStates {
   // Valid until the next call of the same function.
   [[nodiscard]] const springnet_internal* stepped(double time_step);
   [[nodiscard]] const springnet_internal* as_they_are(const Eigen::VectorXd& z);
+  // Those at the end of a step of this length, of the host of the engine; empty: there are none.
+  [[nodiscard]] Eigen::VectorXd at_end(const sdk::Host& host, springnet_evaluation end, double time_step);
+  // By the time, of the nodes and of laws, at the state where the step has begun; the nodes have these accelerations.
+  [[nodiscard]] Eigen::VectorXd rates(const sdk::Host& host, const springnet_evaluation& start,
+                                      const Eigen::VectorXd& accelerations, double short_time);
+  [[nodiscard]] Eigen::Index count() const noexcept { return count_; }
 
   // Those below are called at an evaluation at which the host was linearised. Throw Error(simulation) if a law fails.
 
   // Forwards: changes of the states, of 0 at first, are kept along with those of the nodes, a column each. With the
   // states as they are, accelerations += weight da/dz dz;
   void begin_changes(Eigen::Index columns);
+  // More columns, of 0, or fewer.
+  void resize_changes(Eigen::Index columns);
+  [[nodiscard]] Eigen::MatrixXd::ColXpr change(Eigen::Index column) { return changes_.col(column); }
   void add_accelerations(const springnet_evaluation& at, double weight, Eigen::MatrixXd& accelerations);
   // at the end of a step += weight times what changes of its start, dp, dv and dz, make of them;
   void add_by_start(const springnet_evaluation& start, const springnet_evaluation& end, double weight,
@@ -60,11 +70,17 @@ class InternalStates {
   void weigh_end(const springnet_evaluation& end, Eigen::VectorXd& dp, Eigen::VectorXd& dv);
   // the present ones, for those by values; null: there are no states;
   [[nodiscard]] double* weights() noexcept { return any() ? weights_.data() : nullptr; }
+  [[nodiscard]] Eigen::VectorXd& all_weights() noexcept { return weights_; }
   // to those by its start, with weights of the accelerations at its end; dp and dv += what the start has in both.
   void weigh_start(const springnet_evaluation& start, const springnet_evaluation& end,
                    const Eigen::VectorXd& accelerations, Eigen::VectorXd& dp, Eigen::VectorXd& dv);
-  // += (da/dz)^T accelerations, with the states as they are.
-  void weigh_accelerations(const springnet_evaluation& at, const Eigen::VectorXd& accelerations);
+  // += (da/dz)^T accelerations, with the states as they are: those, or some of other numbers by the states.
+  void weigh_accelerations(const springnet_evaluation& at, const Eigen::VectorXd& accelerations) {
+    weigh_accelerations(at, accelerations, weights_);
+  }
+  void weigh_accelerations(const springnet_evaluation& at, const Eigen::VectorXd& accelerations, Eigen::VectorXd& to);
+  // += derivatives of the margin of a rupture, an event of the host's.
+  void add_margin(const springnet_evaluation& at, std::uint32_t event, Eigen::VectorXd& to);
 
  private:
   struct Place {

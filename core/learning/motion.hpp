@@ -24,6 +24,7 @@
 #include "learning/motion_checks.hpp"
 #include "learning/removals.hpp"
 #include "learning/scene_changes.hpp"
+#include "learning/solution_guess.hpp"
 #include "learning/step_constraints.hpp"
 #include "learning/step_parts.hpp"
 #include "learning/step_solver.hpp"
@@ -52,9 +53,9 @@ struct MotionDerivatives::Impl {
     std::deque<State> states;
     std::vector<Step> steps;
   };
-  // How V and the outputs of a step change with a time.
+  // How V, the outputs of a step and internal states at its end change with a time.
   struct ByTime {
-    Eigen::VectorXd free, p, v;
+    Eigen::VectorXd free, p, v, z;
   };
   struct ByTimes {
     ByTime start, end;
@@ -105,13 +106,15 @@ struct MotionDerivatives::Impl {
     result.internal = internal.as_they_are(at.z);
     return result;
   }
-  [[nodiscard]] springnet_evaluation end_of(const Step& step) {
+  [[nodiscard]] springnet_evaluation end_of(const Step& step) { return end_of(step, step.until.time - step.from.time); }
+  // length: of the step of internal states, s.
+  [[nodiscard]] springnet_evaluation end_of(const Step& step, double length) {
     springnet_evaluation result = nodes_at(step.until);
     if (!arrivals.empty()) {
       const double* const v = end_velocity.data();
       result.velocity = {v, v + nodes, v + 2 * nodes};
     }
-    result.internal = internal.stepped(step.until.time - step.from.time);
+    result.internal = internal.stepped(length);
     return result;
   }
   // What stops nodes that arrive at a surface in the step, of (dP, dU) with dU in the step; and the transpose.
@@ -136,12 +139,9 @@ struct MotionDerivatives::Impl {
     of.evaluate(where);
     return result;
   }
-  // Of nodes whose motion is given nothing depends on what is learned.
+  // Of nodes whose motion is given, in the step that has begun, nothing depends on what is learned.
   void clear_pinned(Eigen::VectorXd& values) const {
-    const springnet_network& network = host.network();
-    for (std::size_t k = 0; k < nodes; ++k)
-      if (network.fixed[k] != 0 || network.held[k] != 0)
-        for (std::size_t axis = 0; axis < 3; ++axis) values[static_cast<Eigen::Index>(axis * nodes + k)] = 0.0;
+    for (const Eigen::Index place : pinned) values[place] = 0.0;
   }
   [[nodiscard]] Eigen::Matrix3Xd in_user_order(const Eigen::VectorXd& values) const {
     Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(nodes));
@@ -203,17 +203,18 @@ struct MotionDerivatives::Impl {
   void event_backwards(const Step& step);
   [[nodiscard]] double begin_of(const Step& step) const;
   void pass_instant(const Step& step);
+  // How internal states change with the time where an instant begins, with these accelerations.
+  [[nodiscard]] Eigen::VectorXd rates_in_instant(const Step& step, const Eigen::VectorXd& a);
   [[nodiscard]] ByTimes find_times(const Step& step);
   [[nodiscard]] learning::EventCondition condition_of(const Step& step);
   [[nodiscard]] learning::NodeJump jump_of(const Step& step);
   // How fast the value of an event changes with the time of it.
   [[nodiscard]] double rate_of(const Step& step, const learning::EventCondition& condition, const Eigen::VectorXd& p,
-                               const Eigen::VectorXd& v) const;
+                               const Eigen::VectorXd& v, const Eigen::VectorXd& z) const;
   [[noreturn]] void refuse(const learning::LocatedEvent& event, double time, const std::string& what) const;
   [[noreturn]] void refuse(const Step& step, const std::string& what) const;
   [[noreturn]] void refuse_times(const Step& step, std::uint32_t node) const;
   void start_backwards(const State& at, std::size_t number, double until);
-  void guess_weights();
   void set_engines(const Eigen::VectorXd& values);
   void set_for_step(std::size_t until);
   // Nodes that arrive at a surface, and velocities in the step. Before end_of() of this step.
@@ -265,7 +266,7 @@ struct MotionDerivatives::Impl {
   Eigen::VectorXd dp, dv;         // the change of a state, or derivatives of the loss by it
   Eigen::VectorXd rhs, product, other, solution, work;
   Eigen::VectorXd weights;                  // of the accelerations at a state
-  std::deque<Eigen::VectorXd> solved;       // of those, backwards: of the last steps
+  learning::SolutionGuess weights_guess;    // of those, backwards
   Eigen::VectorXd pending;                  // those that the step after a state has for its start; empty: none
   double pending_until = 0.0;               // s: the end of that step
   std::uint64_t pending_loads = 0;          // the engine's revision of loads in that step
@@ -276,6 +277,7 @@ struct MotionDerivatives::Impl {
   std::vector<std::size_t> parts_before;
   std::size_t part_count = 0;
   std::set<std::size_t> decided;
+  std::vector<Eigen::Index> pinned;  // see clear_pinned()
   // Changes of the time of the last event, at which the next part starts, 0 at the start of a time step; those of the
   // start and the end of a part while it is passed (empty: these stay); and the derivative of the loss by that time.
   Eigen::RowVectorXd event_time_changes, start_time_changes, end_time_changes;

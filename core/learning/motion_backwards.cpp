@@ -46,17 +46,6 @@ void MotionDerivatives::Impl::begin_backwards(const Step& own) {
   }
 }
 
-// Those of the steps after this one go on, nearly.
-void MotionDerivatives::Impl::guess_weights() {
-  while (solved.size() > 2) solved.pop_front();
-  if (solved.empty())
-    weights.setZero(size());
-  else if (solved.size() == 1)
-    weights = solved.back();
-  else
-    weights = 2.0 * solved.back() - solved.front();
-}
-
 // With J the derivatives of the accelerations at the end of a step, x the solution of its transposed system and
 // `pending` what the next step has for the same accelerations, their weights are m = w x + pending. With F the
 // transpose of how outputs follow the velocities without constraints,
@@ -77,17 +66,18 @@ void MotionDerivatives::Impl::step_backwards(const Step& own) {
   rhs *= own.w;
   if (pending.size() > 0) rhs += pending;
   clear_pinned(rhs);
-  guess_weights();
+  weights_guess.find(rhs, weights);
   solver.solve_transposed(rhs, accuracy, weights, product, other);
-  solved.push_back(weights);
+  weights_guess.take(weights);
   learned.add_cotangent(engine, host, end, weights.data(), internal.weights());
   product += dp;
   other += dv;
   if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
   outputs.to_free(product, other, solution);
   clear_pinned(solution);
-  by_event_time =
-      own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) : 0.0;
+  by_event_time = own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) +
+                                            by_start.z.dot(internal.all_weights())
+                                      : 0.0;
   outputs.to_start(product, other, dp, dv);
   dv += solution;
   internal.weigh_start(start, end, weights, dp, dv);
@@ -105,7 +95,7 @@ void MotionDerivatives::Impl::step_backwards(const Step& own) {
 
 VectorXd MotionDerivatives::Impl::adjoint(const std::function<void(std::size_t, StateChange&)>& add) {
   learned.begin_cotangent();
-  solved.clear();
+  weights_guess.clear();
   solver.begin();
   dp.setZero();
   dv.setZero();

@@ -108,6 +108,7 @@ void MotionDerivatives::Impl::set_engines(const VectorXd& values) {
 void MotionDerivatives::Impl::begin_step(const Step& step) {
   internal.start_at(nodes_at(step.from), step.from.z);
   host.begin_step(step.from.time, step.until.time);
+  learning::find_pinned(host.network(), pinned);
 }
 
 // For accelerations at the start of a step, at this state.

@@ -77,6 +77,8 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
     dvs.col(j) = other;
   }
   internal.end_step(end, dps, dvs);
+  for (Index j = 0; j < columns && timed; ++j)
+    internal.change(j) += start_time_changes[j] * by_times.start.z + end_time_changes[j] * by_times.end.z;
   for (Index j = 0; j < columns && !arrivals.empty(); ++j) {
     product = dps.col(j);
     other = dvs.col(j);

@@ -111,8 +111,6 @@ void MotionDerivatives::Impl::refuse_times(const Step& step, std::uint32_t node)
 void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed& committed) {
   const StepPart& part = committed.part;
   if (recorder.parts().size() == 1) parts_before.push_back(part_count);
-  if (internal.any() && !part.events.empty())
-    refuse(part.events.front(), part.time, " with laws that have internal states");
   for (const LocatedEvent& each : part.events)
     if (each.is_of_node() && constraints->is_rigid(each.index))
       refuse(each, part.time, ", as the node is rigidly connected");
@@ -200,26 +198,28 @@ MotionDerivatives::Impl::Parts MotionDerivatives::Impl::parts_of(std::size_t k) 
 // Where the step's outputs were found.
 MotionDerivatives::Impl::ByTimes MotionDerivatives::Impl::find_times(const Step& step) {
   const double h = step.until.time - step.from.time, d = std::min(0.5 * h, share_of_step * time_step);
-  VectorXd at_start_a = VectorXd::Zero(size()), at_end_a;
+  VectorXd at_start_a = VectorXd::Zero(size()), at_end_a, at_end_z;
   const auto evaluate = [&](double from, double until) {
     host.begin_step(from, until);
-    springnet_evaluation end = end_of(step), start = evaluation(step.from);
+    springnet_evaluation end = end_of(step, until - from), start = evaluation(step.from);
     end.time = until;
     start.time = from;
     at_end_a = accelerations(host, end);
+    at_end_z = internal.at_end(host, end, until - from);
     if (step.c > 0.0) at_start_a = accelerations(host_at_start(step.number - 1, from, until), start);
   };
   const auto over_step = [&] { return VectorXd(step.c * at_start_a + step.w * at_end_a); };
   ByTimes result;
   const double from = step.from.time, until = step.until.time;
-  const auto difference = [&](double start, double end) {
+  const auto difference = [&](double start, double end, ByTime& to) {
     evaluate(from + start, until + end);
-    const VectorXd after = over_step();
+    const VectorXd after = over_step(), after_z = at_end_z;
     evaluate(from - start, until - end);
-    return VectorXd((after - over_step()) / (2.0 * (start + end)));
+    to.free = (after - over_step()) / (2.0 * (start + end));
+    to.z = (after_z - at_end_z) / (2.0 * (start + end));
   };
-  result.start.free = difference(d, 0.0);
-  result.end.free = difference(0.0, d);
+  difference(d, 0.0, result.start);
+  difference(0.0, d, result.end);
   evaluate(from, until);
   const VectorXd mean = over_step() / h;
   result.start.free -= mean;
@@ -248,21 +248,31 @@ double MotionDerivatives::Impl::begin_of(const Step& step) const {
 // No time passes, unless its start and end change.
 void MotionDerivatives::Impl::pass_instant(const Step& step) {
   const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
-  const VectorXd a = accelerations(of, evaluation(step.from));
+  const VectorXd a = accelerations(of, evaluation(step.from)), rates = rates_in_instant(step, a);
   for (Index j = 0; j < dps.cols(); ++j) {
-    dps.col(j) += (end_time_changes[j] - start_time_changes[j]) * step.from.v;
-    dvs.col(j) += (end_time_changes[j] - start_time_changes[j]) * a;
+    const double longer = end_time_changes[j] - start_time_changes[j];
+    dps.col(j) += longer * step.from.v;
+    dvs.col(j) += longer * a;
+    internal.change(j) += longer * rates;
   }
+}
+
+VectorXd MotionDerivatives::Impl::rates_in_instant(const Step& step, const VectorXd& a) {
+  if (!internal.any()) return {};
+  internal.start_at(nodes_at(step.from), step.from.z);
+  host.begin_step(begin_of(step), step.until.time);
+  return internal.rates(host, evaluation(step.from), a, share_of_step * time_step);
 }
 
 // ---- events ---------------------------------------------------------------------------------------------------------
 
 EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   const LocatedEvent& event = *step.event;
-  const springnet_evaluation end = nodes_at(step.until);
+  const springnet_evaluation end = evaluation(step.until);
   EventCondition result;
   result.by_position.setZero(size());
   result.by_velocity.setZero(size());
+  result.by_internal.setZero(internal.count());
   host.begin_step(begin_of(step), step.until.time);
   if (!event.is_of_node()) {
     const Topology::Rupturing& breaking = engine.topology().rupturing();
@@ -272,6 +282,7 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
     const auto number = static_cast<std::size_t>(place) + (is_spring ? 0 : breaking.springs.size());
     result.by_values = learned.event_gradient(host, end, static_cast<std::uint32_t>(number), result.by_position.data(),
                                               result.by_velocity.data(), result.by_time);
+    internal.add_margin(end, static_cast<std::uint32_t>(number), result.by_internal);
     return result;
   }
   const Contact& contact = constraints->engine().model().contact;
@@ -292,6 +303,7 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   host.jacobian_transposed_times(result.by_acceleration.data(), by_position.data(), by_velocity.data());
   result.by_position += by_position;
   result.by_velocity += by_velocity;
+  internal.weigh_accelerations(end, result.by_acceleration, result.by_internal);
   const double d = step.is_instant ? share_of_step * time_step
                                    : std::min(0.5 * (step.until.time - step.from.time), share_of_step * time_step);
   const auto later = [&](double by) {
@@ -307,8 +319,9 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
 }
 
 double MotionDerivatives::Impl::rate_of(const Step& step, const EventCondition& condition, const VectorXd& p,
-                                        const VectorXd& v) const {
-  const double result = condition.by_position.dot(p) + condition.by_velocity.dot(v) + condition.by_time;
+                                        const VectorXd& v, const VectorXd& z) const {
+  const double result =
+      condition.by_position.dot(p) + condition.by_velocity.dot(v) + condition.by_internal.dot(z) + condition.by_time;
   const LocatedEvent::Kind kind = step.event->kind;
   // The direction in which values cross 0.
   const bool rises = kind == LocatedEvent::Kind::release || kind == LocatedEvent::Kind::quick;
@@ -337,6 +350,7 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
     each->conservativeResize(Eigen::NoChange, with);
     each->rightCols(with - columns).setZero();
   }
+  internal.resize_changes(with);
   start_time_changes.setZero(with);
   end_time_changes.setZero(with);
   start_time_changes.head(columns) = event_time_changes;
@@ -351,18 +365,21 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
   if (step.event == nullptr) return;
 
   const EventCondition condition = condition_of(step);
-  const VectorXd p = dps.col(columns), v = dvs.col(columns);
-  const double rate = rate_of(step, condition, p, v);
+  const VectorXd p = dps.col(columns), v = dvs.col(columns), z = internal.change(columns);
+  const double rate = rate_of(step, condition, p, v, z);
   const NodeJump jump = jump_of(step);
   for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) each->conservativeResize(Eigen::NoChange, columns);
-  if (condition.by_acceleration.size() > 0) learned.tangents(engine, host, nodes_at(step.until), changes, by_values);
+  internal.resize_changes(columns);
+  if (condition.by_acceleration.size() > 0) learned.tangents(engine, host, evaluation(step.until), changes, by_values);
   for (Index j = 0; j < columns; ++j) {
-    double value = condition.by_position.dot(dps.col(j)) + condition.by_velocity.dot(dvs.col(j));
+    double value = condition.by_position.dot(dps.col(j)) + condition.by_velocity.dot(dvs.col(j)) +
+                   condition.by_internal.dot(internal.change(j));
     if (condition.by_values.size() > 0) value += condition.by_values.dot(changes.col(j));
     if (condition.by_acceleration.size() > 0) value += condition.by_acceleration.dot(by_values.col(j));
     event_time_changes[j] = -value / rate;
     dps.col(j) += event_time_changes[j] * p;
     dvs.col(j) += event_time_changes[j] * v;
+    internal.change(j) += event_time_changes[j] * z;
     if (!step.event->is_of_node()) continue;
     const std::uint32_t k = step.event->index;
     const Vector6 own = state_of(dps.col(j), dvs.col(j), k);
@@ -379,7 +396,9 @@ void MotionDerivatives::Impl::part_backwards(const Step& step) {
   if (pending.size() > 0 && step.event == nullptr) start_backwards(step.until, step.number, pending_until);
   set_for_step(step.number);
   const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
-  by_event_time = -dp.dot(step.from.v) - dv.dot(accelerations(of, evaluation(step.from)));
+  const VectorXd a = accelerations(of, evaluation(step.from));
+  by_event_time = -dp.dot(step.from.v) - dv.dot(a);
+  if (internal.any()) by_event_time -= internal.all_weights().dot(rates_in_instant(step, a));
 }
 
 // To derivatives by the end of the part as the event found it, from those by what the event left, and by its time.
@@ -396,6 +415,7 @@ void MotionDerivatives::Impl::event_backwards(const Step& step) {
   dps.setZero(size(), 1);
   dvs.setZero(size(), 1);
   changes.setZero(static_cast<Index>(learned.count()), 1);
+  internal.begin_changes(1);
   start_time_changes.setZero(1);
   end_time_changes.setOnes(1);
   if (step.is_instant)
@@ -406,18 +426,20 @@ void MotionDerivatives::Impl::event_backwards(const Step& step) {
   end_time_changes.resize(0);
   learned.begin_cotangent();
   learned.add_gradient(sums);
-  const VectorXd p = dps.col(0), v = dvs.col(0);
+  const VectorXd p = dps.col(0), v = dvs.col(0), z = internal.change(0);
   const EventCondition condition = condition_of(step);
-  const double rate = rate_of(step, condition, p, v);
-  by_event += p.dot(dp) + v.dot(dv);
+  const double rate = rate_of(step, condition, p, v, z);
+  by_event += p.dot(dp) + v.dot(dv) + z.dot(internal.all_weights());
   const double share = -by_event / rate;
   dp += share * condition.by_position;
   dv += share * condition.by_velocity;
+  internal.all_weights() += share * condition.by_internal;
   if (condition.by_values.size() > 0) learned.add_gradient(share * condition.by_values);
   if (condition.by_acceleration.size() > 0) {
     weights = share * condition.by_acceleration;
-    host.linearise(nodes_at(step.until));
-    learned.add_cotangent(engine, host, nodes_at(step.until), weights.data());
+    const springnet_evaluation end = evaluation(step.until);
+    host.linearise(end);
+    learned.add_cotangent(engine, host, end, weights.data());
   }
 }
 

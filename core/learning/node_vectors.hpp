@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include <springnet/network.hpp>
+#include <springnet/sdk/host.hpp>
 
 namespace springnet::learning {
 
@@ -19,6 +21,14 @@ inline void put_node(Eigen::Ref<Eigen::VectorXd> to, std::uint32_t node, const V
 }
 inline void add_to_node(Eigen::Ref<Eigen::VectorXd> to, std::uint32_t node, const Vector3& change) {
   put_node(to, node, node_of(to, node) + change);
+}
+// Places in such a vector of nodes whose motion is given.
+inline void find_pinned(const springnet_network& network, std::vector<Eigen::Index>& places) {
+  places.clear();
+  const auto n = static_cast<Eigen::Index>(network.node_count);
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    for (Eigen::Index k = 0; k < n; ++k)
+      if ((network.fixed[k] | network.held[k]) != 0) places.push_back(axis * n + k);
 }
 
 }  // namespace springnet::learning

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "learning/node_vectors.hpp"
+
 namespace springnet::learning {
 namespace {
 
@@ -32,13 +34,9 @@ void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index 
   const springnet_network& network = host_.network();
   const std::size_t n = network.node_count;
   mass_.resize(3 * n);
-  pinned_.resize(3 * n);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t k = 0; k < n; ++k) {
-      mass_[axis * n + k] = network.mass[k];
-      pinned_[axis * n + k] = network.fixed[k] | network.held[k];
-    }
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    std::copy_n(network.mass, n, mass_.begin() + static_cast<std::ptrdiff_t>(axis * n));
+  find_pinned(network, pinned_);
   at_ = at;
   w_ = w;
   outputs_ = outputs != nullptr && outputs->any() ? outputs : nullptr;
@@ -128,13 +126,12 @@ void StepSolver::precondition_transposed(const VectorXd& in, double accuracy, Ve
 }
 
 void StepSolver::clear_pinned(VectorXd& values) const {
-  for (std::size_t i = 0; i < pinned_.size(); ++i)
-    if (pinned_[i] != 0) values[static_cast<Eigen::Index>(i)] = 0.0;
+  for (const Eigen::Index i : pinned_) values[i] = 0.0;
 }
 
 Eigen::Index StepSolver::most_iterations() const {
   return outputs_ == nullptr ? most_unconstrained
-                             : std::min(most_constrained, static_cast<Eigen::Index>(pinned_.size()) + 1);
+                             : std::min(most_constrained, static_cast<Eigen::Index>(mass_.size()) + 1);
 }
 
 void StepSolver::apply(const VectorXd& in, VectorXd& out) {
@@ -153,8 +150,8 @@ void StepSolver::apply_transposed(const VectorXd& in, VectorXd& out) {
   if (outputs_ == nullptr) {
     out.resize(in.size());
     linear_.weighted_transposed_times(w_, w_ * w_, in.data(), out.data());
-    for (Eigen::Index i = 0; i < in.size(); ++i)
-      out[i] = pinned_[static_cast<std::size_t>(i)] != 0 ? 0.0 : in[i] - out[i];
+    out = in - out;
+    clear_pinned(out);
     return;
   }
   host_.jacobian_transposed_times(in.data(), by_position_.data(), by_velocity_.data());

@@ -70,7 +70,7 @@ class StepSolver {
   springnet_evaluation at_{};
   double w_ = 0.0;
   std::vector<double> mass_;          // [3 node]
-  std::vector<std::uint8_t> pinned_;  // [3 node]
+  std::vector<Eigen::Index> pinned_;  // numbers of those whose motion is given
   bool factorised_ = false;
   // The host's system: of this step, or of so many steps ago; and whether it converges as it did at first.
   bool has_system_ = false, may_keep_ = false;

@@ -44,6 +44,8 @@ class Margin {
       if (law.reads_rate) row[jacobian.rate(i)] = &by_rates[s];
     }
     if (law.can(SPRINGNET_READS_TIME)) row[jacobian.time()] = &by_time;
+    states_ = law.state_count;
+    for (std::size_t i = 0; i < states_; ++i) row[jacobian.state(i)] = &by_states_[i];
     for (std::size_t i = 0; i < by_slots_.size(); ++i) {
       double*& place = row[sets.slots[i].column];
       if (place == nullptr) place = &by_slots_[i];
@@ -76,6 +78,15 @@ class Margin {
     }
   }
 
+  // Adds those by the internal states of a member of this group, in its place.
+  void add_states_to(double* by_internal, const layers::InternalLayout& layout, std::size_t group,
+                     std::uint32_t place) const {
+    if (by_internal == nullptr || states_ == 0) return;
+    const layers::InternalLayout::OfGroup& own = layout.group(group);
+    for (std::size_t i = 0; i < states_; ++i)
+      by_internal[own.first + (law_.first_state + i) * own.count + place] += by_states_[i];
+  }
+
   double value = std::numeric_limits<double>::infinity();
   // By the scalars of the group's list; of laws with one invariant the first ones.
   double by_value[layers::max_scalars] = {}, by_rates[layers::max_scalars] = {};
@@ -86,13 +97,16 @@ class Margin {
   const Law& law_;
   const layers::SetsOfGroup::OfLaw& sets_;
   std::vector<double> by_slots_;
+  std::size_t states_ = 0;
+  double by_states_[layers::max_states] = {};
   std::vector<double*> pointers_;
 };
 
 // Writes the answer, node by node.
 class EventAnswer {
  public:
-  EventAnswer(springnet_event_derivative& request, std::size_t n) : request_(request), n_(n) {
+  EventAnswer(springnet_event_derivative& request, std::size_t n, double* by_internal)
+      : request_(request), by_internal_(by_internal), n_(n) {
     request.by_time = 0.0;
     for (double* const array : {request.by_position, request.by_velocity})
       if (array != nullptr) std::fill_n(array, 3 * n, 0.0);
@@ -102,6 +116,7 @@ class EventAnswer {
     add(request_.by_velocity, node, by_velocity);
   }
   void set_time(double by_time) { request_.by_time = by_time; }
+  [[nodiscard]] double* by_internal() const noexcept { return by_internal_; }
 
  private:
   void add(double* values, std::uint32_t node, const Vector3& change) const {
@@ -109,6 +124,7 @@ class EventAnswer {
       values[c * n_ + node] += change[static_cast<Eigen::Index>(c)];
   }
   springnet_event_derivative& request_;
+  double* by_internal_;
   std::size_t n_;
 };
 
@@ -139,6 +155,9 @@ springnet_status of_spring(Model& model, std::uint32_t spring, double time, cons
   answer.add(model.layout.second(spring), -by_position, -by_velocity);
   answer.set_time(least.by_time);
   least.add_to(sets, group, model.layout.laws().row[spring], spring);
+  const layers::InternalLayout& internal = model.layout.internal();
+  const std::size_t number = model.layout.laws().group[spring];
+  if (internal.has(number)) least.add_states_to(answer.by_internal(), internal, number, internal.of_spring(spring));
   return status;
 }
 
@@ -201,6 +220,9 @@ springnet_status of_element(Model& model, std::uint32_t element, double time, co
   };
   answer.set_time(least.by_time);
   least.add_to(sets, group, elements.row(element), element);
+  const layers::InternalLayout& internal = model.layout.internal();
+  const std::size_t number = elements.group(element);
+  if (internal.has(number)) least.add_states_to(answer.by_internal(), internal, number, internal.of_element(element));
   if (elements.invariant(element) == Invariant::enclosed_volume) {
     for (const layers::ElementLayout::EnclosureElement& enclosure : elements.enclosures()) {
       if (enclosure.element != element) continue;
@@ -224,7 +246,7 @@ springnet_status of_element(Model& model, std::uint32_t element, double time, co
 }  // namespace
 
 springnet_status find_event_derivative(Model& model, ContactEvents& events, Topology& topology,
-                                       springnet_event_derivative& request) {
+                                       springnet_event_derivative& request, double* by_internal) {
   using Kind = ContactEvents::Source::Kind;
   const springnet_evaluation& at = *request.at;
   const std::vector<ContactEvents::Source>& sources = events.sources();
@@ -232,7 +254,7 @@ springnet_status find_event_derivative(Model& model, ContactEvents& events, Topo
   if (request.event >= sources.size() + breaking.count())
     throw Error(ErrorKind::plugin, fmt::format("event {} does not exist: the network has {}", request.event,
                                                sources.size() + breaking.count()));
-  EventAnswer answer(request, model.node_count());
+  EventAnswer answer(request, model.node_count(), by_internal);
   if (request.event < sources.size()) {
     const ContactEvents::Source& source = sources[request.event];
     if (source.kind != Kind::touch)

@@ -46,26 +46,6 @@ Plane wall_with(const Friction& friction) {
 
 }  // namespace
 
-TEST_CASE("events of nets whose laws have internal states are refused") {
-  Network net;
-  Node wall = point({0, 0, 0}), node = point({1, 0, 0}, 1.0, {2, 0, 0});
-  wall.fixed = true;
-  net.add_node(wall);
-  net.add_node(node);
-  net.add_spring(0, 1,
-                 net.add_material({LawUse{"damaging",
-                                          {{"stiffness", 40.0},
-                                           {"threshold_strain", 0.01},
-                                           {"softening_strain", 0.1},
-                                           {"relaxation_time", 0.05},
-                                           {"breaking_damage", 0.5}}},
-                                   std::nullopt}));
-  const std::string said = refusal_of_motion(net, 0.6);
-  CAPTURE(said);
-  CHECK(has(said, "the rupture of spring 0 at 0."));
-  CHECK(has(said, "laws that have internal states; set events = \"stepwise\""));
-}
-
 TEST_CASE("events of nodes that are rigidly connected are refused") {
   Network net;
   net.add_node(point({0, 0, 0.1}));

@@ -13,13 +13,12 @@ namespace springnet::layers {
 struct AxialSprings::Scratch {
   SegmentGeometry geometry;
   PairAnswers<max_segment> answers;
-  double tension[max_segment], by_length[max_segment], by_rate[max_segment], across[3][max_segment];
 };
 
 AxialSprings::AxialSprings(const Layout& layout, const Evaluator& evaluator)
     : layout_(layout),
       evaluator_(evaluator),
-      kernels_(spring_kernels_for(evaluator.instruction_set())),
+      linear_kernels_(spring_kernels_for(evaluator.instruction_set())),
       order_(layout) {}
 
 AxialSprings::~AxialSprings() = default;
@@ -35,7 +34,7 @@ void AxialSprings::follow() {
       begin_.push_back(count);
       count += part->second.size();
     }
-  values_.assign(8 * count, 0.0);
+  values_.assign(count, Values{});
   by_length_.assign(count, 0.0);
   place_.assign(layout_.spring_count(), 0);
   place_of_slot_.assign(units.size(), {});
@@ -73,7 +72,7 @@ bool AxialSprings::update(double time, const NodeArrays& nodes, const std::vecto
                                             : 0;
   if (std::find(done.begin(), done.end(), std::uint8_t{0}) != done.end()) return false;
   for (const auto& [from, to] : copies_) {
-    std::copy_n(values_.data() + 8 * std::size_t{from}, 8, values_.data() + 8 * std::size_t{to});
+    values_[to] = values_[from];
     by_length_[to] = by_length_[from];
   }
   return true;
@@ -110,53 +109,52 @@ bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays&
                          nullptr,
                          {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}};
     if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) return false;
-    const std::size_t count = segment.count;
-    double *const tension = scratch.tension, *const by_length = scratch.by_length, *const by_rate = scratch.by_rate;
-    for (double* sum : {tension, by_length, by_rate}) std::fill_n(sum, count, 0.0);
+    AxialAnswers answers{unit.spring.data() + segment.begin,
+                         place_of_slot_[index].data() + segment.begin,
+                         segment.count,
+                         {g.nx, g.ny, g.nz},
+                         {g.sx, g.sy, g.sz},
+                         g.length,
+                         g.rate,
+                         g.speed,
+                         {},
+                         {},
+                         {}};
     for (std::size_t k = 0; k < 2; ++k) {
       if (!*group.laws()[k]) continue;
-      const PairAnswers<max_segment>& own = scratch.answers;
-      for (std::size_t i = 0; i < count; ++i) {
-        tension[i] += own.force[k][i];
-        by_length[i] += own.by_q[k][i];
-        by_rate[i] += own.by_rate[k][i];
-      }
+      answers.tension[k] = scratch.answers.force[k];
+      answers.by_length[k] = scratch.answers.by_q[k];
+      answers.by_rate[k] = scratch.answers.by_rate[k];
     }
-    const double *const normal[3] = {g.nx, g.ny, g.nz}, *const along[3] = {g.sx, g.sy, g.sz};
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t i = 0; i < count; ++i)
-        scratch.across[c][i] = (g.speed[i] * along[c][i] - g.rate[i] * normal[c][i]) / g.length[i];
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t slot = segment.begin + i;
-      const std::uint32_t s = unit.spring[slot];
-      if (s == no_spring) continue;
-      const std::size_t place = place_of_slot_[index][slot];
-      double* const to = values_.data() + 8 * place;
-      const bool has_length = g.length[i] > 0.0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        to[c] = normal[c][i];
-        to[4 + c] = has_length ? scratch.across[c][i] : 0.0;
-      }
-      to[3] = has_length ? tension[i] / g.length[i] : 0.0;
-      to[7] = by_rate[i];
-      by_length_[place] = by_length[i];
-      if (!std::isfinite(tension[i] + by_length[i] + by_rate[i]) &&
-          (constrained[layout_.first(s)] == 0 || constrained[layout_.second(s)] == 0))
+    if (!linear_kernels_.write_axial(answers, values_.data()->number, by_length_.data()) &&
+        !is_finite_where_it_matters(answers, constrained))
+      return false;
+  }
+  return true;
+}
+
+bool AxialSprings::is_finite_where_it_matters(const AxialAnswers& answers,
+                                              const std::vector<std::uint8_t>& constrained) const {
+  for (std::size_t i = 0; i < answers.count; ++i) {
+    const std::uint32_t s = answers.spring[i];
+    if (s == no_spring || (constrained[layout_.first(s)] != 0 && constrained[layout_.second(s)] != 0)) continue;
+    for (std::size_t k = 0; k < 2; ++k)
+      if (answers.tension[k] != nullptr &&
+          !std::isfinite(answers.tension[k][i] + answers.by_length[k][i] + answers.by_rate[k][i]))
         return false;
-    }
   }
   return true;
 }
 
 SpringBlocks AxialSprings::blocks(std::uint32_t spring) const {
   const std::size_t place = place_[spring];
-  const double* const from = values_.data() + 8 * place;
+  const double* const from = values_[place].number;
   const Vector3 normal(from[0], from[1], from[2]), across(from[4], from[5], from[6]);
   return {AxialTerms(from[3], across), by_length_[place], from[7], normal};
 }
 
-void AxialSprings::subtract_transposed(double velocity_weight, double position_weight, const double* x,
-                                       double* y) const {
+template <class Function>
+void AxialSprings::for_each_unit(const Function& function) const {
   const std::vector<Unit>& units = layout_.units();
 #pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
   for (std::int64_t index = 0; index < static_cast<std::int64_t>(units.size()); ++index) {
@@ -167,11 +165,24 @@ void AxialSprings::subtract_transposed(double velocity_weight, double position_w
     for (const bool is_within : {true, false}) {
       const SpringsOfUnit::Part& part = is_within ? own.within : own.leaving;
       const std::size_t begin = begin_[2 * u + (is_within ? 0 : 1)];
-      const AxialRows rows{part.start.data(), part.second.data(), values_.data() + 8 * begin,
-                           by_length_.data() + begin};
-      kernels_.subtract_transposed(rows, nodes, velocity_weight, position_weight, x, is_within, y);
+      function(AxialRows{part.start.data(), part.second.data(), values_.data()->number + 8 * begin,
+                         by_length_.data() + begin},
+               nodes, is_within);
     }
   }
+}
+
+void AxialSprings::subtract_transposed(double velocity_weight, double position_weight, const double* x,
+                                       double* y) const {
+  for_each_unit([&](const AxialRows& rows, NodeRange nodes, bool is_within) {
+    linear_kernels_.subtract_transposed(rows, nodes, velocity_weight, position_weight, x, is_within, y);
+  });
+}
+
+void AxialSprings::subtract_product(const double* p, const double* v, double* y) const {
+  for_each_unit([&](const AxialRows& rows, NodeRange nodes, bool is_within) {
+    linear_kernels_.subtract_product(rows, nodes, p, v, is_within, y);
+  });
 }
 
 }  // namespace springnet::layers

@@ -28,16 +28,23 @@ class AxialSprings {
   // y -= (velocity_weight D + position_weight K)^T x, summed over all springs; [node][4]: x, y, z and 0, in y one of no
   // meaning.
   void subtract_transposed(double velocity_weight, double position_weight, const double* x, double* y) const;
+  // y -= D v + K p, likewise.
+  void subtract_product(const double* p, const double* v, double* y) const;
 
  private:
   struct Scratch;
   void follow();
   [[nodiscard]] bool update_unit(std::size_t index, double time, const NodeArrays& nodes,
                                  const std::vector<std::uint8_t>& constrained, Scratch& scratch);
+  [[nodiscard]] bool is_finite_where_it_matters(const AxialAnswers& answers,
+                                                const std::vector<std::uint8_t>& constrained) const;
+  // function(rows, nodes, whether they end in these nodes), units side by side.
+  template <class Function>
+  void for_each_unit(const Function& function) const;
 
   const Layout& layout_;
   const Evaluator& evaluator_;
-  const SpringKernels& kernels_;
+  const SpringKernels& linear_kernels_;
   SpringOrder order_;
   bool is_laid_out_ = false;                       // what follows is of that order
   std::vector<std::unique_ptr<Scratch>> scratch_;  // [thread]
@@ -45,8 +52,11 @@ class AxialSprings {
   std::vector<std::vector<std::uint32_t>> place_of_slot_;        // [unit][slot]
   std::vector<std::uint32_t> place_;                             // [spring] one of its places
   std::vector<std::pair<std::uint32_t, std::uint32_t>> copies_;  // places of one spring: from, to
-  std::vector<double> values_;                                   // [place][8], see AxialRows
-  std::vector<double> by_length_;                                // [place]
+  struct alignas(64) Values {                                    // those of a spring lie in one line of the cache
+    double number[8];
+  };
+  std::vector<Values> values_;     // [place], see AxialRows
+  std::vector<double> by_length_;  // [place]
 };
 
 }  // namespace springnet::layers

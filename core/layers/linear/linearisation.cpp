@@ -91,9 +91,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
     force_[c].resize(n);
     acceleration_[c].resize(n);
   }
-  by_force_.assign(9 * n, 0.0);
-  by_position_.assign(9 * n, 0.0);
-  by_velocity_.assign(9 * n, 0.0);
+  for (Blocks* each : {&by_force_, &by_position_, &by_velocity_}) each->resize(9 * n);
   const springnet_status status =
       evaluator_.evaluate(time, nodes, external, {force_[0].data(), force_[1].data(), force_[2].data()}, {}, message);
   if (status != SPRINGNET_OK) return status;
@@ -120,9 +118,9 @@ void Linearisation::find_scales() {
     for (std::size_t kind = 0; kind < 3; ++kind) {
       const double* const b = kinds[kind]->data() + 9 * k;
       scales_[3 * k + kind] = b[0];
-      if (b[4] == b[0] && b[8] == b[0] && b[1] == 0.0 && b[2] == 0.0 && b[3] == 0.0 && b[5] == 0.0 && b[6] == 0.0 &&
-          b[7] == 0.0)
-        continue;
+      const bool is_scale = (b[4] == b[0]) & (b[8] == b[0]) & (b[1] == 0.0) & (b[2] == 0.0) & (b[3] == 0.0) &
+                            (b[5] == 0.0) & (b[6] == 0.0) & (b[7] == 0.0);  // without branches
+      if (is_scale) continue;
       scales_.clear();
       return;
     }
@@ -163,14 +161,27 @@ springnet_status Linearisation::check_neurons(springnet_message& message) const 
 }
 
 void Linearisation::times(const double* dp, const double* dv, double* out) {
-  layout_.need_incidence();  // before threads do
-  need_spring_blocks();
   const std::size_t n = layout_.node_count();
   const bool elements = elements_.any();
   if (elements) elements_.prepare(dp, dv);
   const auto at = [n](const double* values, std::size_t k) {
     return Vector3(values[k], values[n + k], values[2 * n + k]);
   };
+  if (are_axial_) {
+    four_.resize(12 * n);
+    for (std::size_t k = 0; k < n; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        four_[4 * k + c] = dp[c * n + k];
+        four_[4 * (n + k) + c] = dv[c * n + k];
+      }
+      four_[4 * k + 3] = four_[4 * (n + k) + 3] = 0.0;
+    }
+    std::fill(four_.begin() + static_cast<std::ptrdiff_t>(8 * n), four_.end(), 0.0);
+    axial_->subtract_product(four_.data(), four_.data() + 4 * n, four_.data() + 8 * n);
+  } else {
+    layout_.need_incidence();  // before threads do
+    need_spring_blocks();
+  }
 #pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
   for (std::int64_t node = 0; node < static_cast<std::int64_t>(n); ++node) {
     const auto k = static_cast<std::uint32_t>(node);
@@ -179,10 +190,18 @@ void Linearisation::times(const double* dp, const double* dv, double* out) {
       const Vector3 p = at(dp, k), v = at(dv, k);
       Vector3 force = Vector3::Zero();
       if (elements) force = elements_.force(k, dp, dv);
-      for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i)
-        force -=
-            block(stiffness_, i->spring) * (p - at(dp, i->other)) + block(damping_, i->spring) * (v - at(dv, i->other));
-      result = block(by_force_, k) * force + block(by_position_, k) * p + block(by_velocity_, k) * v;
+      if (are_axial_)
+        force += Eigen::Map<const Vector3>(&four_[4 * (2 * n + k)]);
+      else
+        for (const Incident* i = layout_.incident_begin(k); i != layout_.incident_end(k); ++i)
+          force -= block(stiffness_, i->spring) * (p - at(dp, i->other)) +
+                   block(damping_, i->spring) * (v - at(dv, i->other));
+      if (!scales_.empty()) {
+        const double* const scale = &scales_[3 * std::size_t{k}];
+        result = scale[0] * force + scale[1] * p + scale[2] * v;
+      } else {
+        result = block(by_force_, k) * force + block(by_position_, k) * p + block(by_velocity_, k) * v;
+      }
     }
     out[k] = result[0];
     out[n + k] = result[1];

@@ -143,7 +143,7 @@ class Linearisation {
   std::unique_ptr<AxialSprings> axial_;
   bool are_axial_ = false;                       // all springs are known to axial_,
   bool has_blocks_ = false;                      // and to stiffness_ and damping_
-  std::vector<double> four_;                     // [2][node][4], of products
+  std::vector<double> four_;                     // [3][node][4], of products
   Blocks by_force_, by_position_, by_velocity_;  // [node]
   // Where all of these are multiples of the identity: [node][3], of each kind one. Empty: they are not.
   std::vector<double> scales_;

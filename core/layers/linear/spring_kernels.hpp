@@ -31,6 +31,17 @@ struct AxialRows {
   const double* by_length;
 };
 
+// Springs as their laws answer, [spring]: unit vectors along each, lengths and rates of length, directions and speeds
+// of relative motion, and of two laws, null: there is none, tension, dT/dl and dT/du.
+struct AxialAnswers {
+  const std::uint32_t* spring;  // no_spring: there is none
+  const std::uint32_t* place;
+  std::size_t count;
+  const double *normal[3], *along[3];
+  const double *length, *rate, *speed;
+  const double *tension[2], *by_length[2], *by_rate[2];
+};
+
 // All answer sums over some nodes.
 struct SpringKernels {
   // y += B (x_first - x_second) for the first ends of the springs of some nodes, minus that for the second ends if
@@ -40,6 +51,17 @@ struct SpringKernels {
   // y -= (velocity_weight D + position_weight K)^T (x_first - x_second), plus that for the second ends if `to_second`.
   void (*subtract_transposed)(const AxialRows& springs, NodeRange nodes, double velocity_weight, double position_weight,
                               const double* x, bool to_second, double* y);
+  // y -= D (v_first - v_second) + K (p_first - p_second), plus that for the second ends if `to_second`.
+  void (*subtract_product)(const AxialRows& springs, NodeRange nodes, const double* p, const double* v, bool to_second,
+                           double* y);
+  // Writes derivatives of springs where they lie (AxialRows). Answers whether all of them are finite.
+  bool (*write_axial)(const AxialAnswers& answers, double* values, double* by_length);
+  // Of nodes with scales ([node][3], the second and third of which count by their weights): x = first scale times w, y
+  // = the others times w; w has x of all nodes first, `count` of them.
+  void (*spread)(const double* scales, double second_weight, double third_weight, std::size_t count, const double* w,
+                 double* x, double* y);
+  // Back into the order of w: the first three numbers of each node.
+  void (*gather)(const double* y, std::size_t count, double* w);
   // z = D r; D: [node][3][4], three columns.
   void (*diagonal)(const float* d, NodeRange nodes, const float* r, float* z);
   void (*diagonal_double)(const double* d, NodeRange nodes, const double* r, double* z);

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "layers/kernels.hpp"
 #include "layers/linear/spring_kernels.hpp"
 
 #define RESTRICT __restrict
@@ -178,6 +179,141 @@ void subtract_transposed(const AxialRows& springs, NodeRange nodes, double veloc
     subtract_transposed_of<false>(springs, nodes, velocity_weight, position_weight, x, y);
 }
 
+// With d = p_first - p_second, e = v_first - v_second and s = n.d a spring adds
+//   a d + ((T' - a) s + T_u (w.d + n.e)) n.
+template <bool to_second>
+[[gnu::always_inline]] inline void subtract_product_of(const AxialRows& rows, NodeRange nodes, const double* p,
+                                                       const double* v, double* y) {
+  const AxialRows springs = rows;
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    const std::size_t begin = springs.start[k - nodes.begin], end = springs.start[k - nodes.begin + 1];
+    if (begin == end) continue;
+    FourDoubles place, speed, own, sum{};
+    load(p + 4 * k, place);
+    load(v + 4 * k, speed);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t j = springs.second[i];
+      const double* const values = springs.values + 8 * i;
+      FourDoubles there, other, normal, across, a, by_rate, by_length;
+      load(p + 4 * j, there);
+      load(v + 4 * j, other);
+      load(values, normal);
+      load(values + 4, across);
+      spread(values[3], a);
+      spread(values[7], by_rate);
+      spread(springs.by_length[i], by_length);
+      const FourDoubles d = place - there,
+                        terms = (by_length - a) * normal * d + by_rate * (across * d + normal * (speed - other)),
+                        s = __builtin_shufflevector(terms, terms, 0, 0, 0, 0) +
+                            __builtin_shufflevector(terms, terms, 1, 1, 1, 1) +
+                            __builtin_shufflevector(terms, terms, 2, 2, 2, 2);
+      const FourDoubles force = a * d + s * normal;
+      sum += force;
+      if constexpr (to_second) {
+        load(y + 4 * j, other);
+        other += force;
+        store(other, y + 4 * j);
+      }
+    }
+    load(y + 4 * k, own);
+    own -= sum;
+    store(own, y + 4 * k);
+  }
+}
+
+void subtract_product(const AxialRows& springs, NodeRange nodes, const double* p, const double* v, bool to_second,
+                      double* y) {
+  if (to_second)
+    subtract_product_of<true>(springs, nodes, p, v, y);
+  else
+    subtract_product_of<false>(springs, nodes, p, v, y);
+}
+
+// In chunks that stay in the nearest cache: first what all springs have side by side, then each where it lies.
+bool write_axial(const AxialAnswers& answers, double* values, double* by_length) {
+  constexpr std::size_t chunk = 64;
+  double share[chunk], across[3][chunk], stretch[chunk], drag[chunk];
+  double left = 0.0;  // stays 0, unless a number is not finite
+  for (std::size_t begin = 0; begin < answers.count; begin += chunk) {
+    const std::size_t count = answers.count - begin < chunk ? answers.count - begin : chunk;
+    const double* const RESTRICT length = answers.length + begin;
+    for (std::size_t i = 0; i < count; ++i) share[i] = stretch[i] = drag[i] = 0.0;
+    for (std::size_t law = 0; law < 2; ++law) {
+      if (answers.tension[law] == nullptr) continue;
+      const double *const RESTRICT
+          tension = answers.tension[law] + begin,
+          *const RESTRICT by_l = answers.by_length[law] + begin, *const RESTRICT by_u = answers.by_rate[law] + begin;
+      for (std::size_t i = 0; i < count; ++i) {
+        share[i] += tension[i];
+        stretch[i] += by_l[i];
+        drag[i] += by_u[i];
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double *const RESTRICT normal = answers.normal[c] + begin, *const RESTRICT along = answers.along[c] + begin,
+                                   *const RESTRICT rate = answers.rate + begin,
+                                   *const RESTRICT speed = answers.speed + begin;
+      for (std::size_t i = 0; i < count; ++i) across[c][i] = (speed[i] * along[i] - rate[i] * normal[i]) / length[i];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (answers.spring[begin + i] == no_spring) continue;
+      const double sum = share[i] + stretch[i] + drag[i];
+      left += sum - sum;
+      const std::size_t place = answers.place[begin + i];
+      const bool has_length = length[i] > 0.0;
+      const FourDoubles first{answers.normal[0][begin + i], answers.normal[1][begin + i], answers.normal[2][begin + i],
+                              has_length ? share[i] / length[i] : 0.0};
+      FourDoubles second{across[0][i], across[1][i], across[2][i], drag[i]};
+      if (!has_length) second = FourDoubles{0.0, 0.0, 0.0, drag[i]};
+      store(first, values + 8 * place);
+      store(second, values + 8 * place + 4);
+      by_length[place] = stretch[i];
+    }
+  }
+  return left == 0.0;
+}
+
+// Four nodes at a time: rows of a square are numbers of four nodes, columns those of one.
+[[gnu::always_inline]] inline void transpose(FourDoubles (&rows)[4]) {
+  const FourDoubles a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6),
+                    b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7),
+                    c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6),
+                    d = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
+  rows[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  rows[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  rows[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
+void spread_scaled(const double* scales, double second_weight, double third_weight, std::size_t count, const double* w,
+                   double* x, double* y) {
+  const auto one = [&](std::size_t k, const FourDoubles& node) {
+    const double* const scale = scales + 3 * k;
+    store(scale[0] * node, x + 4 * k);
+    store((second_weight * scale[1] + third_weight * scale[2]) * node, y + 4 * k);
+  };
+  std::size_t k = 0;
+  for (; k + 4 <= count; k += 4) {
+    FourDoubles rows[4]{};
+    for (std::size_t c = 0; c < 3; ++c) load(w + c * count + k, rows[c]);
+    transpose(rows);
+    for (std::size_t i = 0; i < 4; ++i) one(k + i, rows[i]);
+  }
+  for (; k < count; ++k) one(k, FourDoubles{w[k], w[count + k], w[2 * count + k], 0.0});
+}
+
+void gather(const double* y, std::size_t count, double* w) {
+  std::size_t k = 0;
+  for (; k + 4 <= count; k += 4) {
+    FourDoubles rows[4];
+    for (std::size_t i = 0; i < 4; ++i) load(y + 4 * (k + i), rows[i]);
+    transpose(rows);
+    for (std::size_t c = 0; c < 3; ++c) store(rows[c], w + c * count + k);
+  }
+  for (; k < count; ++k)
+    for (std::size_t c = 0; c < 3; ++c) w[c * count + k] = y[4 * k + c];
+}
+
 template <class Number>
 [[gnu::always_inline]] inline void times_columns(const Number* d, const FourOf<Number>& r, FourOf<Number>& z) {
   FourOf<Number> first, second, third;
@@ -270,8 +406,20 @@ Sums2 advance(float s, const float* RESTRICT p, const float* RESTRICT q, const f
 }  // namespace
 
 const SpringKernels& spring_kernels() {
-  static constexpr SpringKernels table{product, product_double, subtract_transposed, diagonal, diagonal_double,
-                                       dot,     square,         add_and_dot,         add,      scale_add,
+  static constexpr SpringKernels table{product,
+                                       product_double,
+                                       subtract_transposed,
+                                       subtract_product,
+                                       write_axial,
+                                       spread_scaled,
+                                       gather,
+                                       diagonal,
+                                       diagonal_double,
+                                       dot,
+                                       square,
+                                       add_and_dot,
+                                       add,
+                                       scale_add,
                                        advance};
   return table;
 }

@@ -3,6 +3,7 @@
 
 #include "layers/linear/axial_springs.hpp"
 #include "layers/linear/linearisation.hpp"
+#include "layers/linear/spring_kernels.hpp"
 
 namespace springnet::layers {
 
@@ -50,7 +51,7 @@ void Linearisation::add_transposed_beside_springs(const double* weights, const A
 
 void Linearisation::spread_force_weights() {
   const std::size_t n = layout_.node_count();
-  four_.resize(8 * n);
+  four_.resize(12 * n);
   const double* const f = force_weights_.data();
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t c = 0; c < 3; ++c) four_[4 * k + c] = f[c * n + k];
@@ -113,18 +114,15 @@ void Linearisation::weighted_transposed_times(double velocity_weight, double pos
                velocity_weight * work_[static_cast<Eigen::Index>(3 * n + i)];
     return;
   }
-  four_.resize(8 * n);
+  four_.resize(12 * n);
+  const SpringKernels& kernels = spring_kernels_for(evaluator_.instruction_set());
   double* const sums = four_.data() + 4 * n;
   if (!scales_.empty() && !elements_.any() && bonds_.empty()) {
+    kernels.spread(scales_.data(), position_weight, velocity_weight, n, weights, four_.data(), sums);
     for (std::size_t k = 0; k < n; ++k) {
-      const double* const scale = &scales_[3 * k];
-      const double by_force = constrained_[k] != 0 ? 0.0 : scale[0],
-                   own = constrained_[k] != 0 ? 0.0 : position_weight * scale[1] + velocity_weight * scale[2];
-      for (std::size_t c = 0; c < 3; ++c) {
-        four_[4 * k + c] = by_force * weights[c * n + k];
-        sums[4 * k + c] = own * weights[c * n + k];
-      }
-      four_[4 * k + 3] = sums[4 * k + 3] = 0.0;
+      if (constrained_[k] == 0) continue;
+      std::fill_n(four_.data() + 4 * k, 4, 0.0);
+      std::fill_n(sums + 4 * k, 4, 0.0);
     }
   } else {
     force_weights_.resize(3 * n);
@@ -137,8 +135,7 @@ void Linearisation::weighted_transposed_times(double velocity_weight, double pos
     });
   }
   axial_->subtract_transposed(velocity_weight, position_weight, four_.data(), sums);
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t c = 0; c < 3; ++c) out[c * n + k] = sums[4 * k + c];
+  kernels.gather(sums, n, out);
 }
 
 }  // namespace springnet::layers

@@ -48,7 +48,7 @@ springnet_status LawAnswers::find_springs(const HeldState& at, springnet_message
     rows_[i] = layout_.laws().row[springs[i]];
   }
   return evaluate_springs(layout_, evaluator_.instruction_set(), at.time, at.nodes, piece_.group, members_,
-                          piece_.count, *segment_, outputs(at.nodes.internal), message);
+                          piece_.count, *segment_, outputs(at.nodes.internal), message, false);
 }
 
 springnet_status LawAnswers::find_elements(const HeldState& at, springnet_message& message) {

@@ -51,6 +51,9 @@ class LawAnswers {
   // Member by member for each parameter of a law and each of its forces, law by law.
   template <class Use>
   void for_each(const Use& use) const;
+  // The same set by set: use(set, for_each), and that with a use of answers, once.
+  template <class Use>
+  void for_each_set(const Use& use) const;
   // The same of internal states, if sets are resolved with them: use(set, member, place in the internal state,
   // derivative).
   template <class Use>
@@ -62,9 +65,14 @@ class LawAnswers {
   void for_each_corner(const double (*changes)[several_batch], const Use& use) const;
 
  private:
-  // Calls use(law, entry, derivatives of its forces ([scalar][member], then of its states), member of the piece).
+  // Calls use(law, entry, derivatives of its forces ([scalar][member], then of its states)).
   template <class Use>
   void for_each_entry(const Use& use) const;
+  // use(member of the piece), of those that it is about.
+  template <class Use>
+  void for_each_member(const SetsOfGroup::Entry& entry, const Use& use) const;
+  template <class Use>
+  void for_each_answer(const Law& law, const SetsOfGroup::Entry& entry, const double* derivative, const Use& use) const;
   [[nodiscard]] std::uint64_t internal_place(const Law& law, std::uint32_t member, std::size_t state) const {
     const InternalLayout& internal = layout_.internal();
     const InternalLayout::OfGroup& own = internal.group(piece_.group);
@@ -110,31 +118,50 @@ void LawAnswers::for_each_entry(const Use& use) const {
   const std::array<const Law*, 2> laws = group_->laws();
   for (std::size_t k = 0; k < 2; ++k) {
     const SetsOfGroup::OfLaw& own = wanted_->laws[k];
-    for (const SetsOfGroup::Entry& entry : own.entries) {
-      const ParameterSet& set = sets_->sets()[entry.set];
-      const double* const first = derivatives_.data() + (slots_before + entry.slot) * max_segment;
-      for (std::size_t i = 0; i < piece_.count; ++i) {
-        if (set.kind == ParameterSet::Kind::input &&
-            static_cast<std::uint32_t>(group_->columns[entry.signal_column][rows_[i]]) != set.input)
-          continue;
-        use(*laws[k], entry, first, i);
-      }
-    }
+    for (const SetsOfGroup::Entry& entry : own.entries)
+      use(*laws[k], entry, derivatives_.data() + (slots_before + entry.slot) * max_segment);
     slots_before += own.slots.size();
   }
 }
 
 template <class Use>
-void LawAnswers::for_each(const Use& use) const {
-  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative, std::size_t i) {
-    if (law.scalar_count == 0)
-      return use(Answer{entry.set, members_[i], i, 0, derivative[i], weight_[law.relative ? 1 : 0][i], law.relative});
+void LawAnswers::for_each_member(const SetsOfGroup::Entry& entry, const Use& use) const {
+  const ParameterSet& set = sets_->sets()[entry.set];
+  const bool is_input = set.kind == ParameterSet::Kind::input;
+  for (std::size_t i = 0; i < piece_.count; ++i)
+    if (!is_input || static_cast<std::uint32_t>(group_->columns[entry.signal_column][rows_[i]]) == set.input) use(i);
+}
+
+template <class Use>
+void LawAnswers::for_each_answer(const Law& law, const SetsOfGroup::Entry& entry, const double* derivative,
+                                 const Use& use) const {
+  if (law.scalar_count == 0) {
+    const double* const weight = weight_[law.relative ? 1 : 0];
+    return for_each_member(entry, [&](std::size_t i) {
+      use(Answer{entry.set, members_[i], i, 0, derivative[i], weight[i], law.relative});
+    });
+  }
+  for_each_member(entry, [&](std::size_t i) {
     const double factor = growth(law, entry, i);
     for (std::size_t j = 0; j < law.scalar_count; ++j) {
       const std::size_t s = law.scalar[j];
       if (!law.reads[j]) continue;
       use(Answer{entry.set, members_[i], i, s, factor * derivative[j * max_segment + i], several_weight_[s][i], false});
     }
+  });
+}
+
+template <class Use>
+void LawAnswers::for_each(const Use& use) const {
+  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative) {
+    for_each_answer(law, entry, derivative, use);
+  });
+}
+
+template <class Use>
+void LawAnswers::for_each_set(const Use& use) const {
+  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative) {
+    use(entry.set, [&](const auto& of_answer) { for_each_answer(law, entry, derivative, of_answer); });
   });
 }
 
@@ -151,9 +178,11 @@ void LawAnswers::for_each_corner(const double (*changes)[several_batch], const U
 
 template <class Use>
 void LawAnswers::for_each_state(const Use& use) const {
-  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative, std::size_t i) {
-    for (std::size_t j = 0; j < law.state_count; ++j)
-      use(entry.set, members_[i], internal_place(law, members_[i], j), derivative[(1 + j) * max_segment + i]);
+  for_each_entry([&](const Law& law, const SetsOfGroup::Entry& entry, const double* derivative) {
+    for_each_member(entry, [&](std::size_t i) {
+      for (std::size_t j = 0; j < law.state_count; ++j)
+        use(entry.set, members_[i], internal_place(law, members_[i], j), derivative[(1 + j) * max_segment + i]);
+    });
   });
 }
 

@@ -201,10 +201,16 @@ springnet_status ParameterProducts::weigh_forces(const ResolvedSets& sets, const
         if (const springnet_status answered = answers.find(pieces[p], sets, held, own); answered != SPRINGNET_OK)
           return answered;
         answers.weigh(weights, held.nodes);
-        answers.for_each([&](const LawAnswers::Answer& answer) {
-          const ParameterSet& set = sets.sets()[answer.set];
-          double& sum = set.is_one() ? ones_[p * count + answer.set] : set.values[answer.member];
-          sum += answer.derivative * answer.weight;
+        answers.for_each_set([&](std::uint32_t i, const auto& for_each_answer) {
+          const ParameterSet& set = sets.sets()[i];
+          if (set.is_one())
+            for_each_answer([sum = &ones_[p * count + i]](const LawAnswers::Answer& answer) {
+              *sum += answer.derivative * answer.weight;
+            });
+          else
+            for_each_answer([values = set.values](const LawAnswers::Answer& answer) {
+              values[answer.member] += answer.derivative * answer.weight;
+            });
         });
         if (sets.with_states())
           answers.for_each_state([&](std::uint32_t i, std::uint32_t member, std::uint64_t place, double derivative) {

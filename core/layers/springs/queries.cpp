@@ -13,7 +13,8 @@ namespace springnet::layers {
 
 springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                   std::size_t group, const std::uint32_t* springs, std::size_t count,
-                                  SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message) {
+                                  SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message,
+                                  bool directions) {
   const profile::Tile measured;
   const profile::Part part("springs");
   std::uint32_t first[max_segment], second[max_segment], rows[max_segment], places[max_segment];
@@ -26,8 +27,9 @@ springnet_status evaluate_springs(const Layout& layout, InstructionSet set, doub
   const SegmentSprings segment{nullptr, nullptr, static_cast<std::uint32_t>(count), first, second};
   const Kernels& kernels = kernels_for(set);
   kernels.lengths_and_rates(segment, nodes, geometry);
-  kernels.relative_speeds(segment, nodes, geometry);
-  const LawBatch batch{layout.laws().groups[group],
+  const Group& laws = layout.laws().groups[group];
+  if (directions || laws.spring.relative || laws.viscosity.relative) kernels.relative_speeds(segment, nodes, geometry);
+  const LawBatch batch{laws,
                        count,
                        {rows, 0},
                        geometry.length,

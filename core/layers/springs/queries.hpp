@@ -12,10 +12,12 @@
 
 namespace springnet::layers {
 
-// Geometry and laws of `count` <= max_segment springs of one group.
+// Geometry and laws of `count` <= max_segment springs of one group. directions: relative velocities are wanted also
+// where no law reads them.
 springnet_status evaluate_springs(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
                                   std::size_t group, const std::uint32_t* springs, std::size_t count,
-                                  SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message);
+                                  SegmentGeometry& geometry, const PairOutputs& out, springnet_message& message,
+                                  bool directions = true);
 
 // Axial tension of a live spring, N; laws along the relative velocity do not contribute.
 [[nodiscard]] double spring_tension(const Layout& layout, InstructionSet set, double time, const NodeArrays& nodes,
