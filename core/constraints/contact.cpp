@@ -60,6 +60,10 @@ void Contact::set_trajectory(std::size_t surface, Trajectory trajectory) {
   cached_placement_.reset();
 }
 
+void Contact::set_friction(std::size_t surface, double coefficient) {
+  obstacles_[surface].set_friction_coefficient(coefficient);
+}
+
 void Contact::set_motion(std::uint32_t node, const Vector3& start, Trajectory trajectory) {
   prescribed_.set(node, start, std::move(trajectory));
   cached_placement_.reset();

@@ -40,6 +40,8 @@ class Contact {
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
   // For messages, as "plane 'floor' (number 0)".
   [[nodiscard]] std::string name_of(std::size_t surface) const;
+  // Of a surface with Coulomb friction.
+  void set_friction(std::size_t surface, double coefficient);
   void set_trajectory(std::size_t surface, Trajectory trajectory);
   // See Prescribed::set and stop.
   void set_motion(std::uint32_t node, const Vector3& start, Trajectory trajectory);

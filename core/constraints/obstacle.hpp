@@ -51,6 +51,7 @@ class Obstacle {
   // Its normal has the same direction everywhere.
   [[nodiscard]] bool is_flat() const noexcept { return is_plane(); }
   [[nodiscard]] const Friction& friction() const noexcept { return friction_; }
+  void set_friction_coefficient(double coefficient) noexcept { friction_.coefficient = coefficient; }
   // Coefficient of restitution, 0 to 1.
   [[nodiscard]] double restitution() const noexcept { return restitution_; }
   // A plane's point, an instrument's first point or a box's centre, at the start; m.
@@ -72,8 +73,11 @@ class Obstacle {
     looks_sampled_ = false;
     told_ = true;
   }
-  // The motion set since the start.
+  // The motion and the friction set since the start.
   void archive(Archive& archive) {
+    archive.number(friction_.coefficient);
+    if (!(friction_.coefficient >= 0.0 && std::isfinite(friction_.coefficient)))
+      Archive::refuse("a coefficient of friction is below 0 or not finite");
     bool told = told_;
     archive.flag(told);
     if (told) {

@@ -20,6 +20,14 @@ void ConstrainedOutputs::add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd d
   blocks_.push_back({std::move(nodes), std::move(derivative), std::move(by_mass), std::move(by_times)});
 }
 
+void ConstrainedOutputs::set_friction(std::int32_t first, std::int32_t second,
+                                      const Eigen::Matrix<double, 6, 2>& by_friction) {
+  Block& block = blocks_.back();
+  block.surfaces[0] = first;
+  block.surfaces[1] = second;
+  block.by_friction = by_friction;
+}
+
 std::vector<layers::NodeResponse> ConstrainedOutputs::responses(bool transposed) const {
   std::vector<layers::NodeResponse> result;
   for (const Block& block : blocks_) {
@@ -86,6 +94,27 @@ void ConstrainedOutputs::add_masses(const VectorXd& masses, VectorXd& end_dp, Ve
     scatter(block, gather(block, end_dp) + both.head(size), end_dp);
     scatter(block, gather(block, end_dv) + both.tail(size), end_dv);
   }
+}
+
+void ConstrainedOutputs::add_friction(const VectorXd& coefficients, VectorXd& end_dp, VectorXd& end_dv) const {
+  for (const Block& block : blocks_) {
+    for (Index i = 0; i < 2; ++i) {
+      if (block.surfaces[i] < 0 || coefficients[block.surfaces[i]] == 0.0) continue;
+      const Eigen::Matrix<double, 6, 1> own = coefficients[block.surfaces[i]] * block.by_friction.col(i);
+      scatter(block, gather(block, end_dp) + own.head<3>(), end_dp);
+      scatter(block, gather(block, end_dv) + own.tail<3>(), end_dv);
+    }
+  }
+}
+
+VectorXd ConstrainedOutputs::to_friction(const VectorXd& end_dp, const VectorXd& end_dv, Index surfaces) const {
+  VectorXd result = VectorXd::Zero(surfaces);
+  for (const Block& block : blocks_)
+    for (Index i = 0; i < 2; ++i)
+      if (block.surfaces[i] >= 0)
+        result[block.surfaces[i]] += block.by_friction.col(i).head<3>().dot(gather(block, end_dp)) +
+                                     block.by_friction.col(i).tail<3>().dot(gather(block, end_dv));
+  return result;
 }
 
 std::optional<std::uint32_t> ConstrainedOutputs::write_times(bool at_end, VectorXd& end_dp, VectorXd& end_dv) const {

@@ -22,6 +22,9 @@ class ConstrainedOutputs {
   // ends, [6 node][2]; if they are not known, none.
   void add(std::vector<std::uint32_t> nodes, Eigen::MatrixXd derivative, Eigen::MatrixXd by_mass = {},
            Eigen::MatrixXd by_times = {});
+  // Of the block that was added last, a single node: by the friction of the first and second surface that it touches,
+  // [6][2]; -1: there is no second one.
+  void set_friction(std::int32_t first, std::int32_t second, const Eigen::Matrix<double, 6, 2>& by_friction);
   [[nodiscard]] bool any() const noexcept { return !blocks_.empty(); }
   // What a step makes of a change of V, as far as it moves them, of nodes without rigid connections, ascending: blocks
   // dP/dV / w, or their transposes.
@@ -36,6 +39,8 @@ class ConstrainedOutputs {
   void clear_unused(Eigen::VectorXd& free) const;
   // Adds what follows from changes of masses, [node] kg.
   void add_masses(const Eigen::VectorXd& masses, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
+  // The same from changes of coefficients of friction, [surface].
+  void add_friction(const Eigen::VectorXd& coefficients, Eigen::VectorXd& end_dp, Eigen::VectorXd& end_dv) const;
   // Of constrained nodes: writes (dP, dU) by the time at the start, or the end. Returns a node whose is not known.
   [[nodiscard]] std::optional<std::uint32_t> write_times(bool at_end, Eigen::VectorXd& end_dp,
                                                          Eigen::VectorXd& end_dv) const;
@@ -44,11 +49,15 @@ class ConstrainedOutputs {
                 Eigen::VectorXd& dv) const;
   void to_free(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv, Eigen::VectorXd& free) const;
   [[nodiscard]] Eigen::VectorXd to_masses(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv) const;
+  [[nodiscard]] Eigen::VectorXd to_friction(const Eigen::VectorXd& end_dp, const Eigen::VectorXd& end_dv,
+                                            Eigen::Index surfaces) const;
 
  private:
   struct Block {
     std::vector<std::uint32_t> nodes;
     Eigen::MatrixXd derivative, by_mass, by_times;
+    std::int32_t surfaces[2] = {-1, -1};
+    Eigen::Matrix<double, 6, 2> by_friction = Eigen::Matrix<double, 6, 2>::Zero();
   };
   [[nodiscard]] Eigen::VectorXd gather(const Block& block, const Eigen::VectorXd& of) const;
   void scatter(const Block& block, const Eigen::Ref<const Eigen::VectorXd>& from, Eigen::VectorXd& to) const;

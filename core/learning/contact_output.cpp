@@ -58,6 +58,11 @@ class NodeOnSurfaces {
   [[nodiscard]] const Friction& friction(std::int32_t surface) const {
     return contact_.obstacles()[index(surface)].friction();
   }
+  // Its coefficient as a variable, of one of the first two surfaces that the node touches.
+  [[nodiscard]] Number rough(std::int32_t surface) const {
+    return Number::variable(coefficient_of(friction(surface)),
+                            surface == how_.touch.surface ? by_first_friction : by_second_friction);
+  }
   [[nodiscard]] Number gap(std::int32_t j, const Vector& x) const { return at_end_.gap(j, x); }
   [[nodiscard]] Vector normal(std::int32_t j, const Vector& x) const { return at_end_.normal(j, x); }
   [[nodiscard]] Vector onto(std::int32_t j, const Vector& x) const { return at_end_.onto(j, x); }
@@ -166,8 +171,8 @@ class NodeOnSurfaces {
   // See Contact::slide_along. sticks: whatever V is.
   [[nodiscard]] Output along_surface(bool sticks) const {
     const std::int32_t j = how_.touch.surface;
-    const Friction& rough = friction(j);
-    const bool is_carried = rough.kind != Friction::Kind::none;
+    const Friction& own = friction(j);
+    const bool is_carried = own.kind != Friction::Kind::none;
     const Vector w = at_end_.velocity(j, end_), n = normal(j, end_);
     const Number off = how_.arrives ? dot(n, (1.0 / (step_.theta * h_)) * way() - w) : rebound(j);
     const Vector bounce = off * n;
@@ -176,17 +181,17 @@ class NodeOnSurfaces {
     const Number into = -dot(n, relative);
     // With what stops the node at the end.
     const Number pressing = how_.arrives ? into - off : into;
-    if (rough.kind == Friction::Kind::none) {
+    if (own.kind == Friction::Kind::none) {
       left = relative + into * n;
-    } else if (rough.kind == Friction::Kind::coulomb && how_.kept) {
+    } else if (own.kind == Friction::Kind::coulomb && how_.kept) {
       left = slips_on(relative, n, w);
-    } else if (rough.kind == Friction::Kind::coulomb && !sticks) {
+    } else if (own.kind == Friction::Kind::coulomb && !sticks) {
       const Vector along = relative + into * n;
       const Number slip = length(along);
       if (!(into.value > 0.0 && pressing.value > 0.0)) {
         left = along;
-      } else if (cone_margin(rough.coefficient, pressing.value, slip.value) < 0.0 && slip.value > 0.0) {
-        left = along - (rough.coefficient * pressing / slip) * along;
+      } else if (cone_margin(own.coefficient, pressing.value, slip.value) < 0.0 && slip.value > 0.0) {
+        left = along - (rough(j) * pressing / slip) * along;
       }
     }
     const Vector rate = left + bounce;
@@ -197,7 +202,7 @@ class NodeOnSurfaces {
   // A slip that is kept passes through zero: where friction would reverse it, friction has the direction that the slip
   // had, and that the output shows.
   [[nodiscard]] Vector slips_on(const Vector& relative, const Vector& n, const Vector& w) const {
-    const Number into = -dot(n, relative), limit = friction(how_.touch.surface).coefficient * into;
+    const Number into = -dot(n, relative), limit = rough(how_.touch.surface) * into;
     const Vector along = relative + into * n;
     if (!(into.value > 0.0)) return along;
     const Number slip = length(along);
@@ -210,7 +215,7 @@ class NodeOnSurfaces {
   // See Contact::slide_along_edge.
   [[nodiscard]] Output along_edge() const {
     const std::int32_t first = how_.touch.surface, second = how_.touch.second, carrier = rougher();
-    const double rough[] = {coefficient_of(friction(first)), coefficient_of(friction(second))};
+    const double coefficients[] = {coefficient_of(friction(first)), coefficient_of(friction(second))};
     const Vector a = normal(first, end_), b = normal(second, end_), c = cross(a, b);
     // Velocity of the edge.
     const Number rates[] = {dot(a, at_end_.velocity(first, end_)),
@@ -221,17 +226,17 @@ class NodeOnSurfaces {
     const Vector w = (rates[0] / volume) * bc + (rates[1] / volume) * ca + (rates[2] / volume) * ab;
     const Vector relative = free_ - w;
     Vector left;
-    if (how_.touch.slides && std::isfinite(rough[0]) && std::isfinite(rough[1])) {
+    if (how_.touch.slides && std::isfinite(coefficients[0]) && std::isfinite(coefficients[1])) {
       const Number sine = length(c);
       const Vector e = (1.0 / sine) * c;
       const double along = value_of(e).dot(node_.U - value_of(w)), sign = along < 0.0 ? -1.0 : 1.0;
-      const Vector f = a - times(sign * rough[0], e), g = b - times(sign * rough[1], e);
+      const Vector f = a - (sign * rough(first)) * e, g = b - (sign * rough(second)) * e;
       // Normal impulses x of both: (a b)^T (f g) x = -(a b)^T relative.
       const Number aa = dot(a, f), ag = dot(a, g), bf = dot(b, f), bg = dot(b, g);
       const Number ra = -dot(a, relative), rb = -dot(b, relative), determinant = aa * bg - ag * bf;
       left = relative + ((ra * bg - rb * ag) / determinant) * f + ((rb * aa - ra * bf) / determinant) * g;
     }
-    const bool is_carried = rough[0] > 0.0 || rough[1] > 0.0;
+    const bool is_carried = coefficients[0] > 0.0 || coefficients[1] > 0.0;
     const Vector from = is_carried ? carried(carrier, p_) : p_, before = is_carried ? slipped(carrier) : v_;
     return {onto_both(first, second, moved(from, before, is_carried ? left : w + left)), w + left};
   }
@@ -281,8 +286,11 @@ class NodeOnSurfaces {
     OutputDerivative result;
     result.by_state.topRows<3>() = by_place * position.leftCols<9>();
     result.by_state.bottomRows<3>() = velocity.leftCols<9>() + turns * result.by_state.topRows<3>();
-    result.by_times.topRows<3>() = by_place * position.rightCols<2>();
-    result.by_times.bottomRows<3>() = velocity.rightCols<2>() + turns * result.by_times.topRows<3>();
+    result.by_times.topRows<3>() = by_place * position.middleCols<2>(by_start_time);
+    result.by_times.bottomRows<3>() = velocity.middleCols<2>(by_start_time) + turns * result.by_times.topRows<3>();
+    result.by_friction.topRows<3>() = by_place * position.middleCols<2>(by_first_friction);
+    result.by_friction.bottomRows<3>() =
+        velocity.middleCols<2>(by_first_friction) + turns * result.by_friction.topRows<3>();
     return result;
   }
 

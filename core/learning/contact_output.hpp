@@ -43,9 +43,10 @@ struct StepPlacement {
 };
 
 struct OutputDerivative {
-  Eigen::Matrix<double, 6, 9> by_state = Eigen::Matrix<double, 6, 9>::Zero();  // of (P, U) by (p, v, V)
-  Eigen::Matrix<double, 6, 2> by_times = Eigen::Matrix<double, 6, 2>::Zero();  // by the times of start and end
-  bool has_times = true;                                                       // else these are not known
+  Eigen::Matrix<double, 6, 9> by_state = Eigen::Matrix<double, 6, 9>::Zero();     // of (P, U) by (p, v, V)
+  Eigen::Matrix<double, 6, 2> by_times = Eigen::Matrix<double, 6, 2>::Zero();     // by the times of start and end
+  bool has_times = true;                                                          // else these are not known
+  Eigen::Matrix<double, 6, 2> by_friction = Eigen::Matrix<double, 6, 2>::Zero();  // of the first and second surface
 };
 
 // Of a node whose velocity at the end of the step is `node.U`; `free` is not read.

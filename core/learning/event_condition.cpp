@@ -55,6 +55,7 @@ class OfNode {
       result.by_acceleration[row] = value.derivatives[by_free + i];
     }
     result.by_time = value.derivatives[by_end_time];
+    result.by_friction = value.derivatives[by_first_friction];
     return result;
   }
   // Of a motion, by time, which has no formula: a central difference, whose error is that of its third derivative.
@@ -78,7 +79,7 @@ class OfNode {
   [[nodiscard]] Number beyond_friction() const {
     const Vector r = missing(event_.surface), n = surfaces().normal(event_.surface, place());
     const Number pressed = dot(n, r);
-    return Number(surface().friction().coefficient) * pressed - length(r - pressed * n);
+    return Number::variable(surface().friction().coefficient, by_first_friction) * pressed - length(r - pressed * n);
   }
   [[nodiscard]] Vector slip() const {
     const Vector n = surfaces().normal(event_.surface, place());

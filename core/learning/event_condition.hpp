@@ -25,6 +25,7 @@ struct EventCondition {
 struct NodeCondition {
   Vector3 by_position = Vector3::Zero(), by_velocity = Vector3::Zero(), by_acceleration = Vector3::Zero();
   double by_time = 0.0;
+  double by_friction = 0.0;  // of the surface
 };
 // A time, s, with the surfaces there; `placed` has them at others, and `shortest`, s, is far below their motion.
 struct PlacedTime {

@@ -64,7 +64,8 @@ class Jump {
       if (surface.friction().kind == Friction::Kind::held)
         left = Vector{};
       else if (mu > 0.0 && slip.value > 0.0)
-        left = mu * push.value < slip.value ? along - (Number(mu) * push / slip) * along : Vector{};
+        left = mu * push.value < slip.value ? along - (Number::variable(mu, by_first_friction) * push / slip) * along
+                                            : Vector{};
       Vector velocity = w + left + bounce;
       if (after.has(j)) {
         const Vector there = surfaces_.normal(j, place);
@@ -103,6 +104,7 @@ class Jump {
     NodeJump result;
     result.by_state << by_place.leftCols<6>(), by_velocity.leftCols<6>();
     result.by_time << by_place.col(by_end_time), by_velocity.col(by_end_time);
+    result.by_friction << by_place.col(by_first_friction), by_velocity.col(by_first_friction);
     return result;
   }
 

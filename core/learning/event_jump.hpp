@@ -14,6 +14,7 @@ namespace springnet::learning {
 struct NodeJump {
   Eigen::Matrix<double, 6, 6> by_state = Eigen::Matrix<double, 6, 6>::Identity();  // of position and velocity
   Eigen::Matrix<double, 6, 1> by_time = Eigen::Matrix<double, 6, 1>::Zero();       // of the event
+  Eigen::Matrix<double, 6, 1> by_friction = Eigen::Matrix<double, 6, 1>::Zero();   // of its surface
 };
 
 // None if no formula gives where the node was after the event, and its velocity: to 1e-5 of its speed, and of the way

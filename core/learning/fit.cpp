@@ -65,6 +65,7 @@ Fit::Fit(const std::vector<Experiment>& experiments, const std::shared_ptr<const
   set_guess_weight(guess_weight);
   check_same_object(experiments);
   check_same_gravity(experiments, learnables);
+  check_same_friction(experiments, learnables);
   at_a_time_ = experiments_at_a_time(experiments, *plugins, threads);
   std::vector<double> durations;
   for (const Experiment& each : experiments) {

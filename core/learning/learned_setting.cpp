@@ -42,6 +42,9 @@ struct OfSimulation {
     for (std::size_t i = 0; i < values.size(); ++i) simulation.set_load_factor(what.members[i], values[i]);
   }
   void set_gravity(const Vector3& acceleration) const { simulation.set_gravity(acceleration); }
+  void set_friction(const LearnedValues& what, const Values& values) const {
+    for (std::size_t i = 0; i < values.size(); ++i) simulation.set_friction(what.members[i], values[i]);
+  }
 };
 
 struct OfEngine {
@@ -65,6 +68,12 @@ struct OfEngine {
   }
   void set_gravity(const Vector3& acceleration) const {
     engine.model().loads.set_gravity(acceleration);
+    engine.model().changed();
+  }
+  void set_friction(const LearnedValues& what, const Values& values) const {
+    Contact& contact = engine.model().contact;
+    if (contact.obstacles().empty()) return;  // of the net without constraints
+    for (std::size_t i = 0; i < values.size(); ++i) contact.set_friction(what.members[i], values[i]);
     engine.model().changed();
   }
 };
@@ -100,6 +109,9 @@ Eigen::VectorXd LearnedSets::values_of(const Engine& engine) const {
           break;
         case Kind::gravity:
           result[next++] = model.loads.gravity()[member];
+          break;
+        case Kind::friction:
+          result[next++] = frictions_[member];
           break;
         case Kind::initial_velocity:
           for (const double* component :
@@ -159,6 +171,9 @@ void LearnedSets::set_laws_and_masses(const Target& target, const Eigen::VectorX
       case Kind::gravity:
         for (std::size_t i = 0; i < own.size(); ++i) gravity[what.members[i]] = own[i];
         target.set_gravity(gravity);
+        break;
+      case Kind::friction:
+        target.set_friction(what, own);
         break;
       case Kind::initial_velocity:
         break;

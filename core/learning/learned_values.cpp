@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,6 +22,11 @@ namespace {
 using Kind = LearnedValues::Kind;
 
 constexpr std::size_t axes = 3;
+
+// nan: it has none.
+[[nodiscard]] double learnable_friction(const Friction& friction) {
+  return friction.kind == Friction::Kind::coulomb ? friction.coefficient : std::numeric_limits<double>::quiet_NaN();
+}
 
 [[nodiscard]] bool is_of_nodes(Kind kind) { return member_name(kind, false) == "node"; }
 
@@ -69,13 +75,16 @@ LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> lear
   const auto is_empty = [](const LearnedValues& each) { return each.members.empty(); };
   if (std::all_of(learned.begin(), learned.end(), is_empty))
     throw Error(ErrorKind::input, "learning: there is nothing to be learned");
+  for (const Plane& each : network.planes()) frictions_.push_back(learnable_friction(each.friction));
+  for (const Instrument& each : network.instruments()) frictions_.push_back(learnable_friction(each.friction));
   std::map<std::tuple<Kind, bool, std::string>, std::vector<std::uint8_t>> all_listed;
   for (LearnedValues& each : learned) {
-    const std::size_t most = each.kind == Kind::load      ? network.loads().size()
-                             : each.kind == Kind::gravity ? axes
-                             : is_of_nodes(each.kind)     ? network.nodes().size()
-                             : each.of_elements           ? network.elements().size()
-                                                          : network.springs().size();
+    const std::size_t most = each.kind == Kind::load       ? network.loads().size()
+                             : each.kind == Kind::gravity  ? axes
+                             : each.kind == Kind::friction ? frictions_.size()
+                             : is_of_nodes(each.kind)      ? network.nodes().size()
+                             : each.of_elements            ? network.elements().size()
+                                                           : network.springs().size();
     std::vector<std::uint8_t>& listed = all_listed[{each.kind, each.of_elements, each.parameter}];
     listed.resize(most);
     for (const std::uint32_t member : each.members) {
@@ -88,6 +97,9 @@ LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> lear
                                 each.parameter.empty() ? "" : ", for its parameter ", each.parameter));
       if (each.kind == Kind::initial_velocity && network.nodes()[member].fixed)
         throw Error(ErrorKind::input, fmt::format("learning: node {} is fixed and has no velocity to learn", member));
+      if (each.kind == Kind::friction && std::isnan(frictions_[member]))
+        throw Error(ErrorKind::input,
+                    fmt::format("learning: surface {} has no coefficient of friction to learn", member));
     }
     Set set;
     set.what = std::move(each);
@@ -105,8 +117,11 @@ void LearnedSets::attach(Engine& engine) {
     if (is_of_nodes(what.kind)) {
       for (std::uint32_t& each : set.places) each = layout.ordering().engine[each];
       set.values.assign(set.is_velocity() ? 0 : layout.node_count(), 0.0);
-    } else if (set.is_load()) {
-      set.values.assign(what.kind == Kind::gravity ? axes : engine.model().loads.count(), 0.0);
+    } else if (set.is_outside()) {
+      set.values.assign(what.kind == Kind::gravity    ? axes
+                        : what.kind == Kind::friction ? frictions_.size()
+                                                      : engine.model().loads.count(),
+                        0.0);
     } else {
       set.values.assign(what.of_elements ? layout.elements().count() : layout.spring_count(), 0.0);
     }
@@ -134,7 +149,7 @@ void LearnedSets::set_factor(Set& set, std::size_t member, double factor) {
 
 void LearnedSets::follow_change(const Change& change) {
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_load()) continue;
+    if (set.is_velocity() || set.is_outside()) continue;
     std::vector<Set::Factor>& replaced = set.replaced.emplace_back();
     const std::optional<double> factor = factor_of(change, set.what);
     if (!factor) continue;
@@ -154,7 +169,7 @@ void LearnedSets::follow_change(const Change& change) {
 
 void LearnedSets::undo_change() {
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_load()) continue;
+    if (set.is_velocity() || set.is_outside()) continue;
     for (auto each = set.replaced.back().rbegin(); each != set.replaced.back().rend(); ++each)
       set_factor(set, each->member, each->before);
     set.replaced.pop_back();
@@ -164,7 +179,7 @@ void LearnedSets::undo_change() {
 std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
   std::vector<sdk::Host::ParameterSet> result;
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_load()) continue;
+    if (set.is_velocity() || set.is_outside()) continue;
     sdk::Host::ParameterSet each{host_kind(set.what.kind), set.values};
     if (!set.what.parameter.empty()) each.parameter = set.what.parameter.c_str();
     each.of_elements = set.what.of_elements;
@@ -178,7 +193,7 @@ std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::Vector
   std::vector<springnet_parameter_set> result;
   values.clear();
   for (const Set& set : sets_) {
-    if (set.is_velocity() || set.is_load()) continue;
+    if (set.is_velocity() || set.is_outside()) continue;
     std::vector<double>& own = values.emplace_back(set.values.size(), 0.0);
     bool changes = false;
     for (std::size_t i = 0; i < set.places.size(); ++i) {
@@ -198,8 +213,8 @@ std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::Vector
 
 // Loads are linear in their factors, and accelerations in forces; in contact with friction only until nodes begin to
 // slide or to stick, so that differences are small there, at the cost of four digits.
-Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
-                                     const Set& set, std::uint32_t place) {
+Eigen::VectorXd LearnedSets::by_surroundings(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
+                                             const Set& set, std::uint32_t place) {
   Loads& loads = engine.model().loads;
   const double part = engine.model().contact.obstacles().empty() ? 0.5 : 0x1p-14;
   const auto n = static_cast<Eigen::Index>(host.network().node_count);
@@ -210,6 +225,16 @@ Eigen::VectorXd LearnedSets::by_load(Engine& engine, const sdk::Host& host, cons
     host.evaluate(wanted);
     return result;
   };
+  if (set.is_friction()) {
+    Contact& contact = engine.model().contact;
+    if (contact.obstacles().empty()) return Eigen::VectorXd::Zero(3 * n);
+    const double before = contact.obstacles()[place].friction().coefficient;
+    const AtScopeEnd back([&] { contact.set_friction(place, before); });
+    contact.set_friction(place, before + part);
+    const Eigen::VectorXd more = accelerations();
+    contact.set_friction(place, before - part);
+    return (more - accelerations()) / (2.0 * part);
+  }
   if (set.what.kind == Kind::gravity) {
     const Vector3 before = loads.gravity();
     const AtScopeEnd back([&] { loads.set_gravity(before); });
@@ -247,9 +272,9 @@ void LearnedSets::tangents(Engine& engine, const sdk::Host& host, const springne
     }
   }
   for (const Set& set : sets_)
-    for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
+    for (std::size_t i = 0; set.is_outside() && i < set.places.size(); ++i)
       if (const auto row = changes.row(static_cast<Eigen::Index>(set.first + i)); !row.isZero(0.0))
-        accelerations += by_load(engine, host, at, set, set.places[i]) * row;
+        accelerations += by_surroundings(engine, host, at, set, set.places[i]) * row;
 }
 
 void LearnedSets::begin_cotangent() {
@@ -275,10 +300,10 @@ void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const spr
     host.parameter_cotangent(at, sets, {nullptr, weights, internal_weights});
   }
   for (Set& set : sets_)
-    for (std::size_t i = 0; set.is_load() && i < set.places.size(); ++i)
+    for (std::size_t i = 0; set.is_outside() && i < set.places.size(); ++i)
       set.values[set.places[i]] +=
           Eigen::Map<const Eigen::VectorXd>(weights, 3 * static_cast<Eigen::Index>(host.network().node_count))
-              .dot(by_load(engine, host, at, set, set.places[i]));
+              .dot(by_surroundings(engine, host, at, set, set.places[i]));
 }
 
 Eigen::VectorXd LearnedSets::event_gradient(const sdk::Host& host, const springnet_evaluation& at, std::uint32_t event,
@@ -317,6 +342,33 @@ Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const
         result[next++] = set.sum(i);
     }
   }
+  return result;
+}
+
+bool LearnedSets::has_friction() const noexcept {
+  return std::any_of(sets_.begin(), sets_.end(), [](const Set& set) { return set.is_friction(); });
+}
+
+Eigen::VectorXd LearnedSets::friction_changes(const Eigen::VectorXd& change) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(frictions_.size()));
+  for (const Set& set : sets_)
+    for (std::size_t i = 0; set.is_friction() && i < set.places.size(); ++i)
+      result[set.places[i]] += change[static_cast<Eigen::Index>(set.first + i)];
+  return result;
+}
+
+void LearnedSets::add_to_friction(const Eigen::VectorXd& by_friction) {
+  for (Set& set : sets_)
+    for (std::size_t i = 0; set.is_friction() && i < set.places.size(); ++i)
+      set.values[set.places[i]] += by_friction[set.places[i]];
+}
+
+Eigen::VectorXd LearnedSets::friction_gradient(std::int32_t surface, double by_friction) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count_));
+  for (const Set& set : sets_)
+    for (std::size_t i = 0; set.is_friction() && i < set.places.size(); ++i)
+      if (set.places[i] == static_cast<std::uint32_t>(surface))
+        result[static_cast<Eigen::Index>(set.first + i)] = by_friction;
   return result;
 }
 

@@ -62,13 +62,20 @@ class LearnedSets {
   // Of masses, [node] kg; and adds derivatives by masses ([node]) to the sums.
   [[nodiscard]] Eigen::VectorXd mass_changes(const Eigen::VectorXd& change, std::size_t nodes) const;
   void add_to_masses(const Eigen::VectorXd& by_mass);
+  // The same of coefficients of friction, [surface].
+  [[nodiscard]] Eigen::VectorXd friction_changes(const Eigen::VectorXd& change) const;
+  void add_to_friction(const Eigen::VectorXd& by_friction);
+  // Derivatives by the values of what has this one by a surface's friction.
+  [[nodiscard]] Eigen::VectorXd friction_gradient(std::int32_t surface, double by_friction) const;
+  [[nodiscard]] bool has_friction() const noexcept;
+  [[nodiscard]] Eigen::Index surface_count() const noexcept { return static_cast<Eigen::Index>(frictions_.size()); }
   // The user's numbers of nodes.
   [[nodiscard]] std::vector<std::uint32_t> with_start_velocities() const;
   // Adds the change of start velocities.
   void start_velocity(const Eigen::VectorXd& change, Eigen::VectorXd& velocities) const;
 
  private:
-  // One LearnedValues; `values` has a number for each spring, element, node, load or axis, or none for start
+  // One LearnedValues; `values` has a number for each spring, element, node, load, axis or surface, or none for start
   // velocities.
   struct Set {
     LearnedValues what;
@@ -88,9 +95,11 @@ class LearnedSets {
       return (sums.empty() ? 0.0 : sums[member]) + factor(member) * values[places[member]];
     }
     [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
-    [[nodiscard]] bool is_load() const noexcept {
-      return what.kind == LearnedValues::Kind::load || what.kind == LearnedValues::Kind::gravity;
+    // Of the surroundings: the host has no derivatives by it.
+    [[nodiscard]] bool is_outside() const noexcept {
+      return what.kind == LearnedValues::Kind::load || what.kind == LearnedValues::Kind::gravity || is_friction();
     }
+    [[nodiscard]] bool is_friction() const noexcept { return what.kind == LearnedValues::Kind::friction; }
     [[nodiscard]] std::size_t size() const noexcept { return (is_velocity() ? 3 : 1) * what.members.size(); }
   };
   // What has been summed so far of this member is by its present factor.
@@ -102,11 +111,13 @@ class LearnedSets {
   [[nodiscard]] std::pair<LearnedValues, std::vector<double>> present(const Set& set,
                                                                       const Eigen::VectorXd& values) const;
   [[nodiscard]] std::vector<sdk::Host::ParameterSet> host_sets();
-  // Changes of accelerations for one of a load's factor, or of a component of gravity.
-  [[nodiscard]] static Eigen::VectorXd by_load(Engine& engine, const sdk::Host& host, const springnet_evaluation& at,
-                                               const Set& set, std::uint32_t place);
+  // Changes of accelerations for one of a load's factor, of a component of gravity, or of friction.
+  [[nodiscard]] static Eigen::VectorXd by_surroundings(Engine& engine, const sdk::Host& host,
+                                                       const springnet_evaluation& at, const Set& set,
+                                                       std::uint32_t place);
 
-  Vector3 gravity_;  // of the network
+  Vector3 gravity_;                // of the network
+  std::vector<double> frictions_;  // [surface], likewise
   std::vector<Set> sets_;
   std::size_t count_ = 0;
   std::vector<double> force_weights_;  // [3 node]

@@ -72,7 +72,10 @@ void MotionDerivatives::Impl::step_backwards(const Step& own) {
   learned.add_cotangent(engine, host, end, weights.data(), internal.weights());
   product += dp;
   other += dv;
-  if (outputs.any()) learned.add_to_masses(outputs.to_masses(product, other));
+  if (outputs.any()) {
+    learned.add_to_masses(outputs.to_masses(product, other));
+    if (learned.has_friction()) learned.add_to_friction(outputs.to_friction(product, other, learned.surface_count()));
+  }
   outputs.to_free(product, other, solution);
   clear_pinned(solution);
   by_event_time = own.starts_at_event ? by_start.free.dot(solution) + by_start.p.dot(product) + by_start.v.dot(other) +

@@ -49,7 +49,10 @@ void MotionDerivatives::Impl::step_forwards(const Step& step) {
   // Without the velocities V that are yet to be found.
   for (Index j = 0; j < columns; ++j) {
     outputs.from_start(dps.col(j), dvs.col(j), solution, product);
-    if (outputs.any()) outputs.add_masses(learned.mass_changes(changes.col(j), nodes), solution, product);
+    if (outputs.any()) {
+      outputs.add_masses(learned.mass_changes(changes.col(j), nodes), solution, product);
+      if (learned.has_friction()) outputs.add_friction(learned.friction_changes(changes.col(j)), solution, product);
+    }
     if (timed) {
       clear_pinned(solution);
       clear_pinned(product);

@@ -294,6 +294,7 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   if (!own) refuse(step, "");
   put_state(result.by_position, result.by_velocity, k, own->by_position, own->by_velocity);
   result.by_time = own->by_time;
+  if (own->by_friction != 0.0) result.by_values = learned.friction_gradient(event.surface, own->by_friction);
   if (own->by_acceleration.isZero(0.0)) return result;
   VectorXd unused = VectorXd::Zero(size());
   result.by_acceleration.setZero(size());
@@ -383,7 +384,10 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
     if (!step.event->is_of_node()) continue;
     const std::uint32_t k = step.event->index;
     const Vector6 own = state_of(dps.col(j), dvs.col(j), k);
-    put_state(dps.col(j), dvs.col(j), k, jump.by_state * own + jump.by_time * event_time_changes[j]);
+    Vector6 after = jump.by_state * own + jump.by_time * event_time_changes[j];
+    if (learned.has_friction())
+      after += jump.by_friction * learned.friction_changes(changes.col(j))[step.event->surface];
+    put_state(dps.col(j), dvs.col(j), k, after);
   }
 }
 
@@ -409,6 +413,8 @@ void MotionDerivatives::Impl::event_backwards(const Step& step) {
     const NodeJump jump = jump_of(step);
     const Vector6 weights_of_node = state_of(dp, dv, step.event->index);
     by_event += jump.by_time.dot(weights_of_node);
+    if (learned.has_friction())
+      learned.add_gradient(learned.friction_gradient(step.event->surface, jump.by_friction.dot(weights_of_node)));
     put_state(dp, dv, step.event->index, jump.by_state.transpose() * weights_of_node);
   }
   const VectorXd sums = learned.cotangent(VectorXd::Zero(size()));  // which the way forwards overwrites

@@ -25,6 +25,8 @@ std::string_view name_of(Kind kind) noexcept {
       return "load";
     case Kind::gravity:
       return "gravity";
+    case Kind::friction:
+      return "friction";
   }
   return "";
 }
@@ -33,6 +35,7 @@ std::string_view member_name(Kind kind, bool of_elements) noexcept {
   if (kind == Kind::mass || kind == Kind::neuron_parameter || kind == Kind::initial_velocity) return "node";
   if (kind == Kind::load) return "load";
   if (kind == Kind::gravity) return "axis";
+  if (kind == Kind::friction) return "surface";
   return of_elements ? "element" : "spring";
 }
 

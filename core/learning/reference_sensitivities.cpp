@@ -56,8 +56,9 @@ struct ReferenceSensitivities::Impl {
         table(make_host_table(engine)) {
     check(*net);
     for (const Learnable& each : of) {
-      if (each.values.kind == LearnedValues::Kind::load || each.values.kind == LearnedValues::Kind::gravity)
-        refuse("a motion is not differentiated by its loads and gravity");
+      if (each.values.kind == LearnedValues::Kind::load || each.values.kind == LearnedValues::Kind::gravity ||
+          each.values.kind == LearnedValues::Kind::friction)
+        refuse("a motion is not differentiated by its loads, gravity and friction");
       if (each.field_degree >= 0) refuse("a field has no column; take its values each by itself, or together");
     }
     learned.attach(engine);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -91,6 +92,31 @@ void check_same_gravity(const std::vector<Experiment>& experiments, const std::v
                   fmt::format("learning: gravity is learned for all experiments, and experiment {} starts with another "
                               "one than the first; give them the same, or leave gravity as it is known",
                               k + 1));
+}
+
+void check_same_friction(const std::vector<Experiment>& experiments, const std::vector<Learnable>& learnables) {
+  for (const Learnable& each : learnables) {
+    if (each.values.kind != LearnedValues::Kind::friction) continue;
+    const auto surfaces_of = [](const Network& network) {
+      std::vector<std::pair<std::string, Friction>> result;
+      for (const Plane& plane : network.planes()) result.emplace_back(plane.name, plane.friction);
+      for (const Instrument& instrument : network.instruments())
+        result.emplace_back(instrument.name, instrument.friction);
+      return result;
+    };
+    const auto first = surfaces_of(*experiments.front().network);
+    for (std::size_t k = 1; k < experiments.size(); ++k) {
+      const auto own = surfaces_of(*experiments[k].network);
+      for (const std::uint32_t member : each.values.members)
+        if (member < first.size() && (member >= own.size() || own[member].first != first[member].first ||
+                                      own[member].second.kind != first[member].second.kind ||
+                                      own[member].second.coefficient != first[member].second.coefficient))
+          throw Error(ErrorKind::input,
+                      fmt::format("learning: the friction of surface {} is learned for all experiments, and experiment "
+                                  "{} has another surface of this number, or starts with another friction of it",
+                                  member, k + 1));
+    }
+  }
 }
 
 }  // namespace springnet::learning

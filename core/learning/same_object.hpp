@@ -16,5 +16,6 @@ void check_same_object(const std::vector<Experiment>& experiments);
                                                             const std::vector<Learnable>& learnables);
 // If it is learned, which is for all of them.
 void check_same_gravity(const std::vector<Experiment>& experiments, const std::vector<Learnable>& learnables);
+void check_same_friction(const std::vector<Experiment>& experiments, const std::vector<Learnable>& learnables);
 
 }  // namespace springnet::learning

@@ -149,16 +149,17 @@ std::vector<std::uint32_t> list(const Range& range, const Takes& takes) {
 namespace word {
 constexpr std::string_view spring = "spring.", viscosity = "viscosity.", element = "element.", neuron = "neuron.";
 constexpr std::string_view mass = "mass", velocity = "velocity", rest_length = "rest_length", reference = "reference",
-                           load = "load", gravity = "gravity";
+                           load = "load", gravity = "gravity", friction = "friction";
 }  // namespace word
 
 std::string grammar() {
   return fmt::format(
-      "write {0}NAME, {1}NAME, {2}{0}NAME, {2}{1}NAME, {3}NAME, {4}, {5}, {6}, {7}, {8} or {9}, then @BODY for one "
+      "write {0}NAME, {1}NAME, {2}{0}NAME, {2}{1}NAME, {3}NAME, {4}, {5}, {6}, {7}, {8}, {9} or {10}, then @BODY for "
+      "one "
       "body or @BODY/GROUP for one group of it alone, and :together for one value of all, or :field=DEGREE for a "
       "smooth field",
       word::spring, word::viscosity, word::element, word::neuron, word::rest_length, word::reference, word::mass,
-      word::velocity, word::load, word::gravity);
+      word::velocity, word::load, word::gravity, word::friction);
 }
 
 // "load", or "load@2" for one, by its number.
@@ -193,6 +194,34 @@ std::vector<std::uint32_t> axes_of_gravity(const Network& network, const Selecti
   return result;
 }
 
+// "friction", or "friction@NAME" of one surface.
+std::vector<std::uint32_t> rough_surfaces(const Network& network, const Selection& selection) {
+  std::vector<std::uint32_t> result;
+  std::vector<std::string> names;
+  std::uint32_t number = 0;
+  bool is_known = false;
+  const auto take = [&](const auto& surface) {
+    const bool is_own = selection.body.empty() || surface.name == selection.body;
+    is_known = is_known || is_own;
+    if (surface.friction.kind == Friction::Kind::coulomb) {
+      if (is_own) result.push_back(number);
+      if (!surface.name.empty()) names.push_back(surface.name);
+    }
+    ++number;
+  };
+  for (const Plane& each : network.planes()) take(each);
+  for (const Instrument& each : network.instruments()) take(each);
+  if (!result.empty()) return result;
+  if (names.empty() && selection.body.empty())
+    refuse(selection.text,
+           "no plane or instrument has a coefficient of friction; give one a first guess: friction = 0.3");
+  refuse(
+      selection.text,
+      fmt::format("{} '{}'{}", is_known ? "there is no coefficient of friction of" : "there is no plane or instrument",
+                  printable(selection.body),
+                  names.empty() ? "" : fmt::format("; those with one are: {}", fmt::join(names, ", "))));
+}
+
 }  // namespace
 
 Learnable select_learnable(const Network& network, const PluginHost& plugins, std::string_view text) {
@@ -211,6 +240,11 @@ Learnable select_learnable(const Network& network, const PluginHost& plugins, st
     values.kind = Kind::gravity;
     values.members = axes_of_gravity(network, selection);
     if (values.members.empty()) refuse(text, "this component is 0, and stays so with ':together'; leave that out");
+    return result;
+  }
+  if (selection.what == word::friction) {
+    values.kind = Kind::friction;
+    values.members = rough_surfaces(network, selection);
     return result;
   }
   const Of of = members_of(network, selection);

@@ -151,6 +151,7 @@ void StepConstraints::find_outputs(const Step& step, const VectorXd& free, Const
     Eigen::MatrixXd by_times;
     if (derivative->has_times) by_times = derivative->by_times;
     outputs.add({k}, derivative->by_state, {}, std::move(by_times));
+    outputs.set_friction(each.touch.surface, each.touch.second, derivative->by_friction);
   }
   add_clusters(step, free, contacts, {placement, start}, outputs);
 }
@@ -191,6 +192,13 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
     std::vector<StepContact> own;
     for (const StepContact& each : contacts)
       if (rigid.cluster_of()[each.node] == c && model.contact.fixed()[each.node] == 0) own.push_back(each);
+    if (!own.empty() && step.by_friction)
+      throw Error(
+          ErrorKind::simulation,
+          fmt::format("learning: node {}, which is rigidly connected, touches {} at {:g} s; the friction of "
+                      "surfaces is not learned from that",
+                      model.user_number(own.front().node),
+                      model.contact.name_of(static_cast<std::size_t>(own.front().touch.surface)), step.until_time));
     if (!own.empty() && cluster.nodes.size() > most_of_touching_cluster)
       throw Error(ErrorKind::simulation,
                   fmt::format("learning: rigid connections join {} nodes, of which node {} touches {} at {:g} s; up to "

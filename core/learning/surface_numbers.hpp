@@ -13,9 +13,10 @@
 
 namespace springnet::learning {
 
-// A node over a step from (p, v) at t0 to (P, U) at t1: by p, v, V, and by P, on which normals depend, by t0 and t1.
+// A node over a step from (p, v) at t0 to (P, U) at t1: by p, v, V, and by P, on which normals depend, by t0 and t1,
+// and by the friction of its first and its second surface.
 inline constexpr std::size_t by_p = 0, by_v = 3, by_free = 6, by_end = 9, by_start_time = 12, by_end_time = 13,
-                             surface_variables = 14;
+                             by_first_friction = 14, by_second_friction = 15, surface_variables = 16;
 using Number = sdk::Dual<surface_variables>;
 using Vector = invariants::Triple<Number>;
 using Changes = Eigen::Matrix<double, 3, static_cast<int>(surface_variables)>;

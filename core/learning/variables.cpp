@@ -63,12 +63,18 @@ Bounds bounds_of(const Network& network, const PluginHost& plugins, const Learne
       return what.of_elements ? Bounds{} : Bounds{0.0, infinite, true};
     case Kind::mass:
       return {0.0, infinite, true};
+    case Kind::friction:
+      return {0.0, infinite, false};
     case Kind::initial_velocity:
     case Kind::load:
     case Kind::gravity:
       break;
   }
   return {};
+}
+
+[[nodiscard]] bool has_place(Kind kind) {
+  return kind != Kind::load && kind != Kind::gravity && kind != Kind::friction;
 }
 
 }  // namespace
@@ -95,9 +101,10 @@ class Variables::Builder {
     const bool is_field = what.field_degree >= 0;
     if (what.together && is_velocity)
       throw Error(ErrorKind::input, "learning: initial velocities are learned each by itself, or as a field");
-    if (is_field && (what.values.kind == Kind::load || what.values.kind == Kind::gravity))
+    if (is_field && !has_place(what.values.kind))
       throw Error(ErrorKind::input,
-                  "learning: loads and gravity are at no place of their own, and no field; learn each by itself");
+                  "learning: loads, gravity and friction are at no place of their own, and no field; "
+                  "learn each by itself");
     if (what.together && is_field)
       throw Error(ErrorKind::input, "learning: values are learned together, or as a field, not both");
     if (!is_field && !what.together) {

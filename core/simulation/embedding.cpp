@@ -46,6 +46,25 @@ double Simulation::load_factor(std::size_t load) const {
     throw Error(ErrorKind::input, fmt::format("load {} does not exist: the network has {}", load, loads.count()));
   return loads.factor(load);
 }
+Friction Simulation::surface_friction(std::size_t surface) const {
+  const std::vector<Obstacle>& surfaces = impl_->engine.model().contact.obstacles();
+  if (surface >= surfaces.size())
+    throw Error(ErrorKind::input,
+                fmt::format("surface {} does not exist: the network has {}", surface, surfaces.size()));
+  return surfaces[surface].friction();
+}
+void Simulation::set_friction(std::size_t surface, double coefficient) {
+  if (surface_friction(surface).kind != Friction::Kind::coulomb)
+    throw Error(ErrorKind::input,
+                fmt::format("{} has no coefficient of friction: give the network one (Friction::Kind::coulomb)",
+                            impl_->engine.model().contact.name_of(surface)));
+  if (!(coefficient >= 0.0 && std::isfinite(coefficient)))
+    throw Error(ErrorKind::input, fmt::format("the coefficient of friction of {} is {}; give a finite one of 0 or more",
+                                              impl_->engine.model().contact.name_of(surface), coefficient));
+  Model& model = impl_->between_steps().engine.model();
+  model.contact.set_friction(surface, coefficient);
+  model.changed();
+}
 void Simulation::set_input(InputIndex input, double value) {
   Model& model = impl_->between_steps().engine.model();
   layers::check_input_value(impl_->input(input).readers, value, fmt::format("value of input signal {}:", input));

@@ -72,6 +72,7 @@ void add_obstacles(const Network& network, Engine& engine, Network& result) {
     plane.point = pose.from_start(plane.point);
     if (pose.turns) plane.normal = pose.rotation * plane.normal;
     place_motion(plane, obstacle, pose, model.time);
+    plane.friction = obstacle.friction();
     result.add_plane(plane);
   }
   for (Instrument instrument : network.instruments()) {
@@ -82,6 +83,7 @@ void add_obstacles(const Network& network, Engine& engine, Network& result) {
     instrument.second = is_sphere ? instrument.first : pose.from_start(instrument.second);
     if (instrument.box && pose.turns) instrument.box->axes = pose.rotation * instrument.box->axes;
     place_motion(instrument, obstacle, pose, model.time);
+    instrument.friction = obstacle.friction();
     result.add_instrument(instrument);
   }
 }

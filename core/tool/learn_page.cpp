@@ -126,9 +126,10 @@ Figure comparison_of(const LearnedNet& learned) {
   return result;
 }
 
-// Loads and gravity have no place.
+// Loads, gravity and friction have no place.
 bool is_on_body(const LearnedParameter& parameter) {
-  return parameter.kind != LearnedValues::Kind::load && parameter.kind != LearnedValues::Kind::gravity;
+  using Kind = LearnedValues::Kind;
+  return parameter.kind != Kind::load && parameter.kind != Kind::gravity && parameter.kind != Kind::friction;
 }
 
 ViewValues::Of members_of(const LearnedParameter& parameter) {
@@ -164,6 +165,7 @@ std::string unit_of(const LearnedParameter& each, const Network& network, const 
     case Kind::gravity:
       return "m/s²";
     case Kind::load:
+    case Kind::friction:
       return "";
     case Kind::spring_parameter:
     case Kind::viscosity_parameter:

@@ -33,17 +33,18 @@ struct LearnedValues {
     neuron_parameter,     // of the neurons of nodes
     initial_velocity,     // m/s, of nodes
     load,                 // factors of loads of the network, which multiply their forces, tractions and pressures
-    gravity               // m/s^2, components of its acceleration; a member is an axis: 0, 1 or 2
+    gravity,              // m/s^2, components of its acceleration; a member is an axis: 0, 1 or 2
+    friction              // coefficients of surfaces with Coulomb friction: planes, then instruments
   };
   Kind kind = Kind::spring_parameter;
   bool of_elements = false;            // in place of springs
   std::string parameter;               // its name; of masses, rest lengths and velocities: empty
-  std::vector<std::uint32_t> members;  // springs, elements, nodes, loads or axes: the user's numbers
+  std::vector<std::uint32_t> members;  // springs, elements, nodes, loads, axes or surfaces: the user's numbers
 };
 
-// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity", "load", "gravity"
+// "spring", "viscosity", "rest_length", "mass", "neuron", "velocity", "load", "gravity", "friction"
 [[nodiscard]] SPRINGNET_API std::string_view name_of(LearnedValues::Kind kind) noexcept;
-// "node", "spring", "element", "load" or, of gravity, "axis"
+// "node", "spring", "element", "load", "surface" or, of gravity, "axis"
 [[nodiscard]] SPRINGNET_API std::string_view member_name(LearnedValues::Kind kind, bool of_elements) noexcept;
 
 // One trajectory and its derivatives. The integrator is `recurrent`, with any update rule and theta. Steps are those of

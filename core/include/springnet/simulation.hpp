@@ -354,6 +354,10 @@ class SPRINGNET_API Simulation {
   // pressures. Throw Error(input) if there is none, or the factor is not finite.
   void set_load_factor(std::size_t load, double factor);
   [[nodiscard]] double load_factor(std::size_t load) const;
+  // From now on a surface has this coefficient of Coulomb friction. Throws Error(input) if there is none of this
+  // number, if it is frictionless or holds nodes, or if the coefficient is below 0 or not finite.
+  void set_friction(std::size_t surface, double coefficient);
+  [[nodiscard]] Friction surface_friction(std::size_t surface) const;
   // From now on the input signal has this value, in the unit that laws declare, in place of its course: by its number
   // in the network, or its name. Throw Error(input) if there is none, or the value is out of the laws' bounds.
   void set_input(InputIndex input, double value);
