@@ -125,6 +125,36 @@ void Fit::set_guess_weight(double weight) {
   root_guess_weight_ = std::sqrt(weight);
 }
 
+void Fit::set_smoothness(double deviation) {
+  if (!(deviation > 0.0))
+    throw Error(ErrorKind::input,
+                fmt::format("learning: the deviation of changes of accelerations is {} m/s^2, must be "
+                            "above 0",
+                            deviation));
+  smooth_rows_ = 0;
+  for (Run& each : runs_) {
+    each.smoothness.reset();
+    if (!std::isfinite(deviation)) continue;
+    const MotionDerivatives& motion = *each.motion;
+    each.smoothness.emplace(deviation, motion.step_count(), motion.time(1) - motion.time(0),
+                            static_cast<std::size_t>(each.nodes));
+    each.first_smooth = smooth_rows_;
+    smooth_rows_ += each.smoothness->count();
+  }
+}
+
+double Fit::smooth_cost(const VectorXd& x) {
+  if (smooth_rows_ == 0) return 0.0;
+  if (!run(x)) return std::numeric_limits<double>::quiet_NaN();
+  double result = 0.0;
+  for (const Run& each : runs_) {
+    VectorXd own(each.smoothness->count());
+    each.smoothness->residuals(*each.motion, own);
+    result += 0.5 * own.squaredNorm();
+  }
+  return result;
+}
+
 double Fit::guess_cost(const VectorXd& x) const {
   const double weight = root_weight();
   return 0.5 * weight * weight * (x - variables_->start()).cwiseQuotient(variables_->scale()).squaredNorm();
@@ -182,8 +212,11 @@ VectorXd Fit::residuals(const VectorXd& x) {
   if (moves && !is_unseen_known_) find_unseen();
   is_unseen_known_ = is_unseen_known_ || moves;
   const Eigen::Index guess_rows = root_weight() > 0.0 ? x.size() : 0;
-  VectorXd result(rows_ + guess_rows);
+  VectorXd result = VectorXd::Zero(rows_ + smooth_rows_ + guess_rows);
   result.head(rows_) = observed;
+  for (const Run& each : runs_)
+    if (moves && each.smoothness)
+      each.smoothness->residuals(*each.motion, result.segment(rows_ + each.first_smooth, each.smoothness->count()));
   if (guess_rows > 0 && !moves) result.tail(guess_rows).setConstant(observed[0]);
   if (guess_rows > 0 && moves)
     result.tail(guess_rows) = root_weight() * (x - variables_->start()).cwiseQuotient(variables_->scale());
@@ -206,7 +239,7 @@ void Fit::linearise(const VectorXd& x) {
 
 MatrixXd Fit::times(const MatrixXd& changes) {
   const Eigen::Index guess_rows = root_weight() > 0.0 ? changes.rows() : 0;
-  MatrixXd result = MatrixXd::Zero(rows_ + guess_rows, changes.cols());
+  MatrixXd result = MatrixXd::Zero(rows_ + smooth_rows_ + guess_rows, changes.cols());
   const MatrixXd values = variables_->times(at_, changes);
   count(static_cast<double>(changes.cols()));
   for_each_run([&](std::size_t k) {
@@ -214,6 +247,9 @@ MatrixXd Fit::times(const MatrixXd& changes) {
     each.motion->tangent(values, [&](std::size_t state, const MatrixXd& positions, const MatrixXd& velocities) {
       each.observed.add_tangent(*each.motion, state, {values, positions, velocities},
                                 result.middleRows(each.first, each.observed.count()));
+      if (each.smoothness)
+        each.smoothness->add_tangent(state, velocities,
+                                     result.middleRows(rows_ + each.first_smooth, each.smoothness->count()));
     });
   });
   if (guess_rows > 0)
@@ -229,14 +265,16 @@ VectorXd Fit::transposed_times(const VectorXd& weights) {
     VectorXd directly = VectorXd::Zero(static_cast<Eigen::Index>(each.motion->value_count()));
     const VectorXd by_states = each.motion->adjoint([&](std::size_t state, MotionDerivatives::StateChange& add) {
       each.observed.add_adjoint(*each.motion, state, weights.segment(each.first, each.observed.count()), add, directly);
+      if (each.smoothness)
+        each.smoothness->add_adjoint(state, weights.segment(rows_ + each.first_smooth, each.smoothness->count()), add);
     });
     gradients[k] = by_states + directly;
   });
   VectorXd gradient = gradients.front();  // summed in the order of the experiments, whichever was done first
   for (std::size_t k = 1; k < gradients.size(); ++k) gradient += gradients[k];
   VectorXd result = variables_->transposed_times(at_, gradient);
-  if (weights.size() > rows_)
-    result += root_weight() * weights.tail(weights.size() - rows_).cwiseQuotient(variables_->scale());
+  if (const Eigen::Index before = rows_ + smooth_rows_; weights.size() > before)
+    result += root_weight() * weights.tail(weights.size() - before).cwiseQuotient(variables_->scale());
   return result;
 }
 

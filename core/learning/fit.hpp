@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <springnet/learn.hpp>
 
 #include "learning/observed_motion.hpp"
+#include "learning/smoothness.hpp"
 #include "learning/variables.hpp"
 
 namespace springnet::learning {
@@ -25,26 +27,33 @@ class Fit {
       std::size_t memory = std::size_t{1} << 30);
 
   [[nodiscard]] double guess_weight() const noexcept { return root_guess_weight_ * root_guess_weight_; }
-  // The part of the guess in 1/2 of the squares of the residuals.
+  // The parts of the guess, and of motions that are not smooth, in 1/2 of the squares of the residuals; not a number
+  // where a motion fails.
   [[nodiscard]] double guess_cost(const Eigen::VectorXd& x) const;
+  [[nodiscard]] double smooth_cost(const Eigen::VectorXd& x);
   // Throws Error(input) unless it is 0 or more.
   void set_guess_weight(double weight);
+  // m/s^2, see Smoothness; infinite: it does not matter. Throws Error(input) unless it is above 0. Before the first
+  // residuals.
+  void set_smoothness(double deviation);
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
-  // Of observations alone, before those of the guess.
+  // Of observations alone, before those of smoothness and of the guess.
   [[nodiscard]] Eigen::Index observation_rows() const noexcept { return rows_; }
-  [[nodiscard]] Eigen::Index rows() const noexcept { return rows_ + (root_weight() > 0.0 ? variables_->count() : 0); }
+  [[nodiscard]] Eigen::Index rows() const noexcept {
+    return rows_ + smooth_rows_ + (root_weight() > 0.0 ? variables_->count() : 0);
+  }
   // How far the residuals of the observations may be from those of steps that are settled exactly, with the values that
   // were asked for first: a change of the variables by their scale that moves them less is not seen.
   [[nodiscard]] double unseen() const noexcept { return unseen_; }
 
   // Not a number where a motion fails; why_failed() then tells why.
   [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& x);
-  // Without those that hold variables at the guess.
+  // Without those of smoothness, and those that hold variables at the guess.
   [[nodiscard]] Eigen::VectorXd observed_residuals(const Eigen::VectorXd& x) { return residuals(x).head(rows_); }
   [[nodiscard]] const std::string& why_failed() const noexcept { return failure_; }
   void forget_failure() noexcept { failure_.clear(); }
-  // 1/2 their squares, without those of the guess, with values of one's own; not a number where a motion fails.
+  // 1/2 their squares, of observations alone, with values of one's own; not a number where a motion fails.
   [[nodiscard]] double cost_of(const Eigen::VectorXd& values);
   // Steps of all motions; and a count to which those made from now on are added, see LearnProgress::work.
   [[nodiscard]] double steps() const;
@@ -64,6 +73,8 @@ class Fit {
     Eigen::Index first;  // of its residuals
     Eigen::Index nodes;
     std::vector<Event> events_at_start;
+    std::optional<Smoothness> smoothness{};
+    Eigen::Index first_smooth = 0;  // of its residuals, behind those of all observations
   };
   // Of the rows that hold variables at the guess; what is not seen holds them, too, or rounding would move them.
   [[nodiscard]] double root_weight() const noexcept { return std::hypot(root_guess_weight_, unseen_); }
@@ -88,7 +99,7 @@ class Fit {
   double extent_ = 0.0;           // of what was observed, as residuals
   unsigned at_a_time_ = 1;        // experiments
   std::size_t observed_ = 0;
-  Eigen::Index rows_ = 0;
+  Eigen::Index rows_ = 0, smooth_rows_ = 0;
   Eigen::VectorXd at_;  // of the motions; empty: one has failed
   std::string failure_;
   double* work_ = nullptr;

@@ -162,6 +162,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
                 "give the observations standard deviations, or take the L-curve");
   learning::Fit fit(experiments, plugins, learnables, by_rule ? 0.0 : options.guess_weight, options.threads,
                     options.memory);
+  fit.set_smoothness(options.smoothness);
   const learning::Variables& variables = fit.variables();
   LearnedNet result;
   learning::SearchJournal journal(learning::identity_of(experiments, *plugins, learnables, options), options.state);
@@ -201,6 +202,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
       const std::vector<Experiment> part = first_part(experiments, share);
       if (part.empty()) continue;
       learning::Fit fit_of_part(part, plugins, learnables, stage_weight, options.threads, options.memory);
+      fit_of_part.set_smoothness(options.smoothness);
       fit_of_part.count_in(search.work);
       search.stage = search.stages - 1 - stage;
       start = search.run(fit_of_part, better(fit_of_part), share, false).x;

@@ -59,7 +59,7 @@ Minimum Search::run(Fit& fit, const VectorXd& from, double share, bool is_last) 
   // Of one that is known well, a small step hides larger ones of others: a coarse tolerance is of the cost alone.
   own.step_tolerance = own.gradient_tolerance = std::min(options.tolerance, LearnOptions{}.tolerance);
   own.unit = variables.scale();
-  own.aside = [&fit](const VectorXd& x) { return fit.guess_cost(x); };
+  own.aside = [&fit](const VectorXd& x) { return fit.guess_cost(x) + fit.smooth_cost(x); };
   own.state = journal.present_leg();
   if (options.on_state) own.on_state = [this](const std::string& state) { options.on_state(journal.with(state)); };
   const double values = static_cast<double>(std::max<std::size_t>(1, fit.observed()));

@@ -90,6 +90,7 @@ Identity identity_of(const std::vector<Experiment>& experiments, const PluginHos
                     {"stages", std::to_string(options.stages)},
                     {"tolerance", fmt::format("{}", options.tolerance)},
                     {"weight of the guess", fmt::format("{}", options.guess_weight)},
+                    {"smoothness", fmt::format("{}", options.smoothness)},
                     {"rule of the guess", std::to_string(static_cast<int>(options.guess_rule))},
                     {"starts", std::to_string(options.starts)},
                     {"factor of starts", fmt::format("{}", options.start_factor)},

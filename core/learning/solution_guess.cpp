@@ -6,7 +6,7 @@
 namespace springnet::learning {
 namespace {
 
-constexpr double forgetting = 0.8;  // of steps before, in each one
+constexpr double kept_share = 0.8;  // of what steps before tell, in each one
 
 void keep(const Eigen::VectorXd& values, std::array<Eigen::VectorXd, 2>& last) {
   std::swap(last[0], last[1]);
@@ -33,8 +33,8 @@ void SolutionGuess::find(const Eigen::VectorXd& right_side, Eigen::VectorXd& x) 
 }
 
 void SolutionGuess::take(const Eigen::VectorXd& x) {
-  common_ = forgetting * common_ + departure_.dot(x - straight_);
-  square_ = forgetting * square_ + departure_.squaredNorm();
+  common_ = kept_share * common_ + departure_.dot(x - straight_);
+  square_ = kept_share * square_ + departure_.squaredNorm();
   keep(x, solutions_);
   count_ = std::min(count_ + 1, 2);
 }

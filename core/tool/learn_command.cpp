@@ -82,6 +82,7 @@ struct LearnArguments {
   bool resume = false;
   double memory = 1024.0;  // MiB
   double outlier_distance = Observations{}.outlier_distance;
+  double smoothness = LearnOptions{}.smoothness;
   std::string guess_weight = widths_rule;
   double guess_width = 0.0;
   bool correct_rules = false;
@@ -116,7 +117,7 @@ void check(const LearnArguments& arguments) {
                       of_several_runs));
   }
   for (const char* const of_trajectory : {"--optimiser", "--iterations", "--tolerance", "--guess-weight",
-                                          "--guess-width", "--correct-rules", "--certainty-products"})
+                                          "--guess-width", "--correct-rules", "--certainty-products", "--smoothness"})
     if (is_given(of_trajectory) && is_online && !arguments.compare)
       refuse(fmt::format("{} is of --method trajectory; with 'online' it needs --compare", of_trajectory));
   if (is_given("--rate") && !is_online && !arguments.compare)
@@ -234,6 +235,7 @@ int run(const LearnArguments& arguments) {
   options.on_state = [&](const std::string& state) { write_whole({folder, state_file}, state); };
   options.max_iterations = arguments.iterations;
   options.tolerance = arguments.tolerance;
+  options.smoothness = arguments.smoothness;
   options.memory = static_cast<std::size_t>(arguments.memory * (1 << 20));
   set_guess_weight(options, arguments.guess_weight);
   const auto show_iteration = [&](const LearnProgress& now) {
@@ -410,6 +412,13 @@ void add_learn(CLI::App& app, Action& action) {
           "Positions of nodes that are farther off than this, m, and points that are farther from the surface, "
           "count by their distance in place of its square (Huber's function) [none]")
       ->type_name("M")
+      ->check(number_between(above_zero, finite));
+  command
+      ->add_option("--smoothness", arguments->smoothness,
+                   "Motions that are not smooth cost, too: the standard deviation of the change of a node's "
+                   "acceleration from one "
+                   "step to the next, m/s^2 [does not matter]")
+      ->type_name("A")
       ->check(number_between(above_zero, finite));
   arguments->output.add_to(*command);
   command->footer(learn_examples);

@@ -536,6 +536,8 @@ TEST_CASE("learn refuses observations and selections with what is wrong, and whe
         Wrong{"good.csv --parameters mass --seed 2", "--seed is of searches from several starts"},
         Wrong{"speed.csv --parameters mass --outlier-distance 0.1", "--outlier-distance is of positions and points"},
         Wrong{"good.csv --parameters mass --method online --guess-width 1", "--guess-width is of --method trajectory"},
+        Wrong{"good.csv --parameters mass --method online --smoothness 1", "--smoothness is of --method trajectory"},
+        Wrong{"good.csv --parameters friction", "give one a first guess: friction = 0.3"},
         Wrong{"good.csv --parameters mass,mass@bar", "node 0 is among 'mass', too"},
         Wrong{"seen.csv --parameters mass:field=two", "the degree of a field"},
         Wrong{"seen.csv --parameters load", "there are no loads"},

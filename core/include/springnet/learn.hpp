@@ -165,6 +165,10 @@ struct LearnOptions {
   // threads is open (0) share what is left. The results are the same, bit for bit.
   unsigned threads = 0;
   GuessRule guess_rule = GuessRule::given;  // another: guess_weight has no meaning
+  // Motions that are not smooth cost, too: the standard deviation of the change of a node's acceleration from one step
+  // to the next, m/s^2, in each direction. It counts in the search, not in rms and intervals, which are of what was
+  // observed. Infinite: it does not matter.
+  double smoothness = std::numeric_limits<double>::infinity();
   // Of more variables than have intervals (2000): products with the sensitivities, each of which takes about two
   // motions, from which singular values and LearnedParameter::from_guess are told. Each finds at most one more
   // direction that the data determine.
