@@ -25,7 +25,7 @@ constexpr double confidence = 0.95;
 }  // namespace
 
 Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::size_t observed, double guess_weight,
-                     double unseen) {
+                     double unseen, bool is_held) {
   const Svd svd = thin_svd(jacobian);
   const VectorXd& values = svd.values;
   singular_values_.assign(values.data(), values.data() + values.size());
@@ -44,7 +44,7 @@ Certainty::Certainty(const MatrixXd& jacobian, const VectorXd& residuals, std::s
   const double left = static_cast<double>(observed) - static_cast<double>(rank);  // degrees of freedom
   if (!(left >= 1.0)) return;
   double square = residuals.squaredNorm();
-  if (guess_weight > 0.0) {  // else the search has left nothing along these directions, or bounds hold it
+  if (guess_weight > 0.0 || is_held) {  // else the search has left nothing along these directions, or bounds hold it
     const VectorXd along = u.transpose() * residuals;
     square = std::max(0.0, square - along.squaredNorm());
     middle_ = -(directions_ * inverse.cwiseProduct(along));

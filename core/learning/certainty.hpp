@@ -12,9 +12,9 @@ class Certainty {
  public:
   // jacobian: of the residuals of the observations, by changes of the variables in units of `scale`. residuals: of the
   // same rows. guess_weight: of the squares of the variables' changes from the guess, in the same units. unseen: see
-  // Fit::unseen().
+  // Fit::unseen(). is_held: something else than the guess and the data has held the variables, too.
   Certainty(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals, std::size_t observed,
-            double guess_weight = 0.0, double unseen = 0.0);
+            double guess_weight = 0.0, double unseen = 0.0, bool is_held = false);
 
   [[nodiscard]] const std::vector<double>& singular_values() const noexcept { return singular_values_; }
   // Directions without influence on anything that was observed.

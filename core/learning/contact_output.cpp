@@ -59,7 +59,7 @@ class NodeOnSurfaces {
     return contact_.obstacles()[index(surface)].friction();
   }
   // Its coefficient as a variable, of one of the first two surfaces that the node touches.
-  [[nodiscard]] Number rough(std::int32_t surface) const {
+  [[nodiscard]] Number coefficient(std::int32_t surface) const {
     return Number::variable(coefficient_of(friction(surface)),
                             surface == how_.touch.surface ? by_first_friction : by_second_friction);
   }
@@ -191,7 +191,7 @@ class NodeOnSurfaces {
       if (!(into.value > 0.0 && pressing.value > 0.0)) {
         left = along;
       } else if (cone_margin(own.coefficient, pressing.value, slip.value) < 0.0 && slip.value > 0.0) {
-        left = along - (rough(j) * pressing / slip) * along;
+        left = along - (coefficient(j) * pressing / slip) * along;
       }
     }
     const Vector rate = left + bounce;
@@ -202,7 +202,7 @@ class NodeOnSurfaces {
   // A slip that is kept passes through zero: where friction would reverse it, friction has the direction that the slip
   // had, and that the output shows.
   [[nodiscard]] Vector slips_on(const Vector& relative, const Vector& n, const Vector& w) const {
-    const Number into = -dot(n, relative), limit = rough(how_.touch.surface) * into;
+    const Number into = -dot(n, relative), limit = coefficient(how_.touch.surface) * into;
     const Vector along = relative + into * n;
     if (!(into.value > 0.0)) return along;
     const Number slip = length(along);
@@ -230,7 +230,7 @@ class NodeOnSurfaces {
       const Number sine = length(c);
       const Vector e = (1.0 / sine) * c;
       const double along = value_of(e).dot(node_.U - value_of(w)), sign = along < 0.0 ? -1.0 : 1.0;
-      const Vector f = a - (sign * rough(first)) * e, g = b - (sign * rough(second)) * e;
+      const Vector f = a - (sign * coefficient(first)) * e, g = b - (sign * coefficient(second)) * e;
       // Normal impulses x of both: (a b)^T (f g) x = -(a b)^T relative.
       const Number aa = dot(a, f), ag = dot(a, g), bf = dot(b, f), bg = dot(b, g);
       const Number ra = -dot(a, relative), rb = -dot(b, relative), determinant = aa * bg - ag * bf;

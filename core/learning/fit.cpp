@@ -145,14 +145,9 @@ void Fit::set_smoothness(double deviation) {
 
 double Fit::smooth_cost(const VectorXd& x) {
   if (smooth_rows_ == 0) return 0.0;
-  if (!run(x)) return std::numeric_limits<double>::quiet_NaN();
-  double result = 0.0;
-  for (const Run& each : runs_) {
-    VectorXd own(each.smoothness->count());
-    each.smoothness->residuals(*each.motion, own);
-    result += 0.5 * own.squaredNorm();
-  }
-  return result;
+  if (smooth_at_.size() == x.size() && smooth_at_ == x) return smooth_cost_;
+  const VectorXd all = residuals(x);
+  return 0.5 * all.segment(rows_, smooth_rows_).squaredNorm();
 }
 
 double Fit::guess_cost(const VectorXd& x) const {
@@ -214,9 +209,14 @@ VectorXd Fit::residuals(const VectorXd& x) {
   const Eigen::Index guess_rows = root_weight() > 0.0 ? x.size() : 0;
   VectorXd result = VectorXd::Zero(rows_ + smooth_rows_ + guess_rows);
   result.head(rows_) = observed;
-  for (const Run& each : runs_)
-    if (moves && each.smoothness)
+  if (moves && smooth_rows_ > 0) {
+    for_each_run([&](std::size_t k) {
+      const Run& each = runs_[k];
       each.smoothness->residuals(*each.motion, result.segment(rows_ + each.first_smooth, each.smoothness->count()));
+    });
+    smooth_at_ = x;
+    smooth_cost_ = 0.5 * result.segment(rows_, smooth_rows_).squaredNorm();
+  }
   if (guess_rows > 0 && !moves) result.tail(guess_rows).setConstant(observed[0]);
   if (guess_rows > 0 && moves)
     result.tail(guess_rows) = root_weight() * (x - variables_->start()).cwiseQuotient(variables_->scale());
@@ -237,9 +237,9 @@ void Fit::linearise(const VectorXd& x) {
   if (!known.allFinite()) throw Error(ErrorKind::simulation, "learning: " + failure_);
 }
 
-MatrixXd Fit::times(const MatrixXd& changes) {
-  const Eigen::Index guess_rows = root_weight() > 0.0 ? changes.rows() : 0;
-  MatrixXd result = MatrixXd::Zero(rows_ + smooth_rows_ + guess_rows, changes.cols());
+MatrixXd Fit::products(const MatrixXd& changes, bool all_rows) {
+  const Eigen::Index guess_rows = all_rows && root_weight() > 0.0 ? changes.rows() : 0;
+  MatrixXd result = MatrixXd::Zero(rows_ + (all_rows ? smooth_rows_ : 0) + guess_rows, changes.cols());
   const MatrixXd values = variables_->times(at_, changes);
   count(static_cast<double>(changes.cols()));
   for_each_run([&](std::size_t k) {
@@ -247,7 +247,7 @@ MatrixXd Fit::times(const MatrixXd& changes) {
     each.motion->tangent(values, [&](std::size_t state, const MatrixXd& positions, const MatrixXd& velocities) {
       each.observed.add_tangent(*each.motion, state, {values, positions, velocities},
                                 result.middleRows(each.first, each.observed.count()));
-      if (each.smoothness)
+      if (all_rows && each.smoothness)
         each.smoothness->add_tangent(state, velocities,
                                      result.middleRows(rows_ + each.first_smooth, each.smoothness->count()));
     });

@@ -36,6 +36,7 @@ class Fit {
   // m/s^2, see Smoothness; infinite: it does not matter. Throws Error(input) unless it is above 0. Before the first
   // residuals.
   void set_smoothness(double deviation);
+  [[nodiscard]] bool minds_smoothness() const noexcept { return smooth_rows_ > 0; }
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }
   // Of observations alone, before those of smoothness and of the guess.
@@ -62,7 +63,9 @@ class Fit {
   void note_events(std::vector<std::string>& notes) const;
   // Derivatives at x, which has finite residuals.
   void linearise(const Eigen::VectorXd& x);
-  [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& changes);
+  [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& changes) { return products(changes, true); }
+  // Of the rows of observations alone.
+  [[nodiscard]] Eigen::MatrixXd observed_times(const Eigen::MatrixXd& changes) { return products(changes, false); }
   [[nodiscard]] Eigen::VectorXd transposed_times(const Eigen::VectorXd& weights);
 
  private:
@@ -85,6 +88,7 @@ class Fit {
   template <class Work>
   [[nodiscard]] bool tell(const Work& work);
   void add_residuals(const Eigen::VectorXd& values, Eigen::VectorXd& out);
+  [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& changes, bool all_rows);
   void count(double motions) const {
     if (work_ != nullptr) *work_ += motions * steps();
   }
@@ -100,7 +104,9 @@ class Fit {
   unsigned at_a_time_ = 1;        // experiments
   std::size_t observed_ = 0;
   Eigen::Index rows_ = 0, smooth_rows_ = 0;
-  Eigen::VectorXd at_;  // of the motions; empty: one has failed
+  Eigen::VectorXd at_;         // of the motions; empty: one has failed
+  Eigen::VectorXd smooth_at_;  // where the cost of smoothness is known; empty: nowhere
+  double smooth_cost_ = 0.0;
   std::string failure_;
   double* work_ = nullptr;
 };

@@ -97,7 +97,7 @@ LearnedNet learn_with_widths(const std::vector<Experiment>& experiments,
 // where all that was observed stays as it is.
 VectorXd without_idle_moves(learning::Fit& fit, const learning::Certainty& certainty, const VectorXd& x,
                             const VectorXd& residuals) {
-  if (fit.guess_weight() > 0.0 || certainty.undetermined() == 0) return x;
+  if (fit.guess_weight() > 0.0 || fit.minds_smoothness() || certainty.undetermined() == 0) return x;
   const learning::Variables& variables = fit.variables();
   const VectorXd& scale = variables.scale();
   const VectorXd back =
@@ -127,8 +127,9 @@ void describe_what_is_known(const std::vector<Experiment>& experiments,
     if (!result.stopped) learning::describe_many(result, fit, options.certainty_products);
     return;
   }
-  const MatrixXd jacobian = fit.times(MatrixXd(scale.asDiagonal())).topRows(fit.observation_rows());
-  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight(), fit.unseen());
+  const MatrixXd jacobian = fit.observed_times(MatrixXd(scale.asDiagonal()));
+  const learning::Certainty certainty(jacobian, residuals, fit.observed(), fit.guess_weight(), fit.unseen(),
+                                      fit.minds_smoothness());
   result.singular_values = certainty.singular_values();
   result.undetermined = certainty.undetermined();
   const VectorXd shift =
@@ -233,6 +234,7 @@ LearnedNet learn(const std::vector<Experiment>& all_experiments, const std::shar
   result.stopped = search.stopped;
   learning::describe_starts(result);
   result.cost = minimum.cost;
+  result.smooth_cost = fit.smooth_cost(minimum.x);
   fit.linearise(minimum.x);
   const VectorXd residuals = fit.observed_residuals(minimum.x);
   result.rms = learning::rms_of(residuals, fit.observed());

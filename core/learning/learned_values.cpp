@@ -14,6 +14,7 @@
 #include <springnet/error.hpp>
 
 #include "learning/at_scope_end.hpp"
+#include "learning/surface_frictions.hpp"
 
 namespace springnet::learning {
 
@@ -75,8 +76,9 @@ LearnedSets::LearnedSets(const Network& network, std::vector<LearnedValues> lear
   const auto is_empty = [](const LearnedValues& each) { return each.members.empty(); };
   if (std::all_of(learned.begin(), learned.end(), is_empty))
     throw Error(ErrorKind::input, "learning: there is nothing to be learned");
-  for (const Plane& each : network.planes()) frictions_.push_back(learnable_friction(each.friction));
-  for (const Instrument& each : network.instruments()) frictions_.push_back(learnable_friction(each.friction));
+  for_each_surface(network, [this](const std::string&, const Friction& friction) {
+    frictions_.push_back(learnable_friction(friction));
+  });
   std::map<std::tuple<Kind, bool, std::string>, std::vector<std::uint8_t>> all_listed;
   for (LearnedValues& each : learned) {
     const std::size_t most = each.kind == Kind::load       ? network.loads().size()
@@ -117,7 +119,7 @@ void LearnedSets::attach(Engine& engine) {
     if (is_of_nodes(what.kind)) {
       for (std::uint32_t& each : set.places) each = layout.ordering().engine[each];
       set.values.assign(set.is_velocity() ? 0 : layout.node_count(), 0.0);
-    } else if (set.is_outside()) {
+    } else if (set.is_of_surroundings()) {
       set.values.assign(what.kind == Kind::gravity    ? axes
                         : what.kind == Kind::friction ? frictions_.size()
                                                       : engine.model().loads.count(),
@@ -149,7 +151,7 @@ void LearnedSets::set_factor(Set& set, std::size_t member, double factor) {
 
 void LearnedSets::follow_change(const Change& change) {
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_outside()) continue;
+    if (set.is_velocity() || set.is_of_surroundings()) continue;
     std::vector<Set::Factor>& replaced = set.replaced.emplace_back();
     const std::optional<double> factor = factor_of(change, set.what);
     if (!factor) continue;
@@ -169,7 +171,7 @@ void LearnedSets::follow_change(const Change& change) {
 
 void LearnedSets::undo_change() {
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_outside()) continue;
+    if (set.is_velocity() || set.is_of_surroundings()) continue;
     for (auto each = set.replaced.back().rbegin(); each != set.replaced.back().rend(); ++each)
       set_factor(set, each->member, each->before);
     set.replaced.pop_back();
@@ -179,7 +181,7 @@ void LearnedSets::undo_change() {
 std::vector<sdk::Host::ParameterSet> LearnedSets::host_sets() {
   std::vector<sdk::Host::ParameterSet> result;
   for (Set& set : sets_) {
-    if (set.is_velocity() || set.is_outside()) continue;
+    if (set.is_velocity() || set.is_of_surroundings()) continue;
     sdk::Host::ParameterSet each{host_kind(set.what.kind), set.values};
     if (!set.what.parameter.empty()) each.parameter = set.what.parameter.c_str();
     each.of_elements = set.what.of_elements;
@@ -193,7 +195,7 @@ std::vector<springnet_parameter_set> LearnedSets::sets_along(const Eigen::Vector
   std::vector<springnet_parameter_set> result;
   values.clear();
   for (const Set& set : sets_) {
-    if (set.is_velocity() || set.is_outside()) continue;
+    if (set.is_velocity() || set.is_of_surroundings()) continue;
     std::vector<double>& own = values.emplace_back(set.values.size(), 0.0);
     bool changes = false;
     for (std::size_t i = 0; i < set.places.size(); ++i) {
@@ -230,10 +232,11 @@ Eigen::VectorXd LearnedSets::by_surroundings(Engine& engine, const sdk::Host& ho
     if (contact.obstacles().empty()) return Eigen::VectorXd::Zero(3 * n);
     const double before = contact.obstacles()[place].friction().coefficient;
     const AtScopeEnd back([&] { contact.set_friction(place, before); });
+    const double low = std::max(0.0, before - part);
     contact.set_friction(place, before + part);
     const Eigen::VectorXd more = accelerations();
-    contact.set_friction(place, before - part);
-    return (more - accelerations()) / (2.0 * part);
+    contact.set_friction(place, low);
+    return (more - accelerations()) / (before + part - low);
   }
   if (set.what.kind == Kind::gravity) {
     const Vector3 before = loads.gravity();
@@ -272,7 +275,7 @@ void LearnedSets::tangents(Engine& engine, const sdk::Host& host, const springne
     }
   }
   for (const Set& set : sets_)
-    for (std::size_t i = 0; set.is_outside() && i < set.places.size(); ++i)
+    for (std::size_t i = 0; set.is_of_surroundings() && i < set.places.size(); ++i)
       if (const auto row = changes.row(static_cast<Eigen::Index>(set.first + i)); !row.isZero(0.0))
         accelerations += by_surroundings(engine, host, at, set, set.places[i]) * row;
 }
@@ -300,7 +303,7 @@ void LearnedSets::add_cotangent(Engine& engine, const sdk::Host& host, const spr
     host.parameter_cotangent(at, sets, {nullptr, weights, internal_weights});
   }
   for (Set& set : sets_)
-    for (std::size_t i = 0; set.is_outside() && i < set.places.size(); ++i)
+    for (std::size_t i = 0; set.is_of_surroundings() && i < set.places.size(); ++i)
       set.values[set.places[i]] +=
           Eigen::Map<const Eigen::VectorXd>(weights, 3 * static_cast<Eigen::Index>(host.network().node_count))
               .dot(by_surroundings(engine, host, at, set, set.places[i]));
@@ -347,6 +350,13 @@ Eigen::VectorXd LearnedSets::cotangent(const Eigen::VectorXd& by_velocity) const
 
 bool LearnedSets::has_friction() const noexcept {
   return std::any_of(sets_.begin(), sets_.end(), [](const Set& set) { return set.is_friction(); });
+}
+
+bool LearnedSets::has_friction_of(std::int32_t surface) const noexcept {
+  return std::any_of(sets_.begin(), sets_.end(), [surface](const Set& set) {
+    return set.is_friction() &&
+           std::find(set.places.begin(), set.places.end(), static_cast<std::uint32_t>(surface)) != set.places.end();
+  });
 }
 
 Eigen::VectorXd LearnedSets::friction_changes(const Eigen::VectorXd& change) const {

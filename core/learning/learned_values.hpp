@@ -68,6 +68,7 @@ class LearnedSets {
   // Derivatives by the values of what has this one by a surface's friction.
   [[nodiscard]] Eigen::VectorXd friction_gradient(std::int32_t surface, double by_friction) const;
   [[nodiscard]] bool has_friction() const noexcept;
+  [[nodiscard]] bool has_friction_of(std::int32_t surface) const noexcept;
   [[nodiscard]] Eigen::Index surface_count() const noexcept { return static_cast<Eigen::Index>(frictions_.size()); }
   // The user's numbers of nodes.
   [[nodiscard]] std::vector<std::uint32_t> with_start_velocities() const;
@@ -96,7 +97,7 @@ class LearnedSets {
     }
     [[nodiscard]] bool is_velocity() const noexcept { return what.kind == LearnedValues::Kind::initial_velocity; }
     // Of the surroundings: the host has no derivatives by it.
-    [[nodiscard]] bool is_outside() const noexcept {
+    [[nodiscard]] bool is_of_surroundings() const noexcept {
       return what.kind == LearnedValues::Kind::load || what.kind == LearnedValues::Kind::gravity || is_friction();
     }
     [[nodiscard]] bool is_friction() const noexcept { return what.kind == LearnedValues::Kind::friction; }

@@ -81,6 +81,7 @@ std::string to_json(const LearnedNet& learned) {
       {"variables", learned.variables},
       {"start_cost", number(learned.start_cost)},
       {"cost", number(learned.cost)},
+      {"smooth_cost", number(learned.smooth_cost)},
       {"rms", number(learned.rms)},
       {"fit",
        {{"share_of_motion", number(learned.fit.share_of_motion)},

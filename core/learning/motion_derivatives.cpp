@@ -155,10 +155,10 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
     free += step.c * accelerations(of, evaluation(step.from));
     begin_step(step);
   }
-  constraints->find_outputs({step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v,
-                             step.until.p, arrivals.empty() ? step.until.v : end_velocity, step.kept,
-                             unsettled_until(step.until.time), learned.has_friction()},
-                            free, outputs);
+  constraints->find_outputs(
+      {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p,
+       arrivals.empty() ? step.until.v : end_velocity, step.kept, unsettled_until(step.until.time), &learned},
+      free, outputs);
 }
 
 // m/s. The residual is of the last sweep, which has moved nodes in contact by forces of the one before.

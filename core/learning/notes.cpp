@@ -104,8 +104,9 @@ void add_notes(LearnedNet& learned) {
       "is at a bound; the observations would have it beyond, or the model is not theirs",
       "are at a bound; the observations would have them beyond, or the model is not theirs");
   add([](const LearnedParameter& each) { return each.is_outside; },
-      "is outside of its interval, which is what the data alone say: the guess, or a bound, holds it there",
-      "are outside of their intervals, which are what the data alone say: the guess, or a bound, holds them there");
+      "is outside of its interval, which is what the data alone say: the guess, smoothness or a bound holds it there",
+      "are outside of their intervals, which are what the data alone say: the guess, smoothness or a bound holds them "
+      "there");
   constexpr double much_greater = 2.0;
   const HeldOut& held_out = learned.held_out;
   if (held_out.observed == 0) return;

@@ -9,6 +9,8 @@
 
 #include <springnet/error.hpp>
 
+#include "learning/surface_frictions.hpp"
+
 namespace springnet::learning {
 
 namespace {
@@ -99,9 +101,8 @@ void check_same_friction(const std::vector<Experiment>& experiments, const std::
     if (each.values.kind != LearnedValues::Kind::friction) continue;
     const auto surfaces_of = [](const Network& network) {
       std::vector<std::pair<std::string, Friction>> result;
-      for (const Plane& plane : network.planes()) result.emplace_back(plane.name, plane.friction);
-      for (const Instrument& instrument : network.instruments())
-        result.emplace_back(instrument.name, instrument.friction);
+      for_each_surface(network,
+                       [&](const std::string& name, const Friction& friction) { result.emplace_back(name, friction); });
       return result;
     };
     const auto first = surfaces_of(*experiments.front().network);

@@ -20,6 +20,8 @@
 #include <springnet/printable.hpp>
 #include <springnet/suggestion.hpp>
 
+#include "learning/surface_frictions.hpp"
+
 namespace springnet {
 
 namespace {
@@ -200,17 +202,15 @@ std::vector<std::uint32_t> rough_surfaces(const Network& network, const Selectio
   std::vector<std::string> names;
   std::uint32_t number = 0;
   bool is_known = false;
-  const auto take = [&](const auto& surface) {
-    const bool is_own = selection.body.empty() || surface.name == selection.body;
+  learning::for_each_surface(network, [&](const std::string& name, const Friction& friction) {
+    const bool is_own = selection.body.empty() || name == selection.body;
     is_known = is_known || is_own;
-    if (surface.friction.kind == Friction::Kind::coulomb) {
+    if (friction.kind == Friction::Kind::coulomb) {
       if (is_own) result.push_back(number);
-      if (!surface.name.empty()) names.push_back(surface.name);
+      if (!name.empty()) names.push_back(name);
     }
     ++number;
-  };
-  for (const Plane& each : network.planes()) take(each);
-  for (const Instrument& each : network.instruments()) take(each);
+  });
   if (!result.empty()) return result;
   if (names.empty() && selection.body.empty())
     refuse(selection.text,

@@ -1,4 +1,4 @@
-// A loss of motions that are not smooth: how much the accelerations of nodes change from one step to the next.
+// A penalty on motions that are not smooth: how much the accelerations of nodes change from one step to the next.
 #pragma once
 
 #include <cstddef>

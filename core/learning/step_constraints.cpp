@@ -192,13 +192,15 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
     std::vector<StepContact> own;
     for (const StepContact& each : contacts)
       if (rigid.cluster_of()[each.node] == c && model.contact.fixed()[each.node] == 0) own.push_back(each);
-    if (!own.empty() && step.by_friction)
-      throw Error(
-          ErrorKind::simulation,
-          fmt::format("learning: node {}, which is rigidly connected, touches {} at {:g} s; the friction of "
-                      "surfaces is not learned from that",
-                      model.user_number(own.front().node),
-                      model.contact.name_of(static_cast<std::size_t>(own.front().touch.surface)), step.until_time));
+    for (const StepContact& each : own)
+      for (const std::int32_t surface : each.touch.surfaces())
+        if (surface >= 0 && step.learned != nullptr && step.learned->has_friction_of(surface))
+          throw Error(
+              ErrorKind::simulation,
+              fmt::format("learning: node {}, which is rigidly connected, touches {} at {:g} s; the friction of "
+                          "a surface is not learned from that",
+                          model.user_number(each.node), model.contact.name_of(static_cast<std::size_t>(surface)),
+                          step.until_time));
     if (!own.empty() && cluster.nodes.size() > most_of_touching_cluster)
       throw Error(ErrorKind::simulation,
                   fmt::format("learning: rigid connections join {} nodes, of which node {} touches {} at {:g} s; up to "

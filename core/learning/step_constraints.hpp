@@ -51,9 +51,9 @@ class StepConstraints {
     std::size_t until;  // number of the state at its end
     double from_time, until_time, theta;
     const Eigen::VectorXd &p, &v, &P, &U;
-    bool kept = false;         // contacts, which no sweep has decided
-    double unsettled = 0.0;    // m/s, see NodeOverStep
-    bool by_friction = false;  // derivatives by the friction of surfaces are wanted
+    bool kept = false;                     // contacts, which no sweep has decided
+    double unsettled = 0.0;                // m/s, see NodeOverStep
+    const LearnedSets* learned = nullptr;  // whose derivatives are wanted; null: of no surface
   };
   // Nodes that arrive at a surface in a step; U is that at its end.
   [[nodiscard]] std::vector<Arrival> arrivals(const Step& step);

@@ -46,13 +46,7 @@ double Simulation::load_factor(std::size_t load) const {
     throw Error(ErrorKind::input, fmt::format("load {} does not exist: the network has {}", load, loads.count()));
   return loads.factor(load);
 }
-Friction Simulation::surface_friction(std::size_t surface) const {
-  const std::vector<Obstacle>& surfaces = impl_->engine.model().contact.obstacles();
-  if (surface >= surfaces.size())
-    throw Error(ErrorKind::input,
-                fmt::format("surface {} does not exist: the network has {}", surface, surfaces.size()));
-  return surfaces[surface].friction();
-}
+Friction Simulation::surface_friction(std::size_t surface) const { return impl_->surface(surface).friction(); }
 void Simulation::set_friction(std::size_t surface, double coefficient) {
   if (surface_friction(surface).kind != Friction::Kind::coulomb)
     throw Error(ErrorKind::input,

@@ -38,9 +38,9 @@ rx,ry,rz (forces that hold nodes, as in reactions.csv), or time,node,other,dista
 surface); an empty cell is missing, 'weight' or a standard deviation 's' weighs a line.
 
 WHAT is spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME (parameters that a law or
-neuron declares learnable), rest_length, reference, mass, velocity, load or gravity; @BODY takes one body alone,
+neuron declares learnable), rest_length, reference, mass, velocity, load, gravity or friction; @BODY takes one body alone,
 @BODY/GROUP a group of its nodes, :together one value for all, :field=2 a smooth field of second degree; load@2 is the
-third [[force]], gravity@z one component.
+third [[force]], gravity@z one component, friction@table that of one surface.
 
 Files in the output folder:
   learned.toml      the scene with the values that were learned; many of springs or elements are in
@@ -415,9 +415,8 @@ void add_learn(CLI::App& app, Action& action) {
       ->check(number_between(above_zero, finite));
   command
       ->add_option("--smoothness", arguments->smoothness,
-                   "Motions that are not smooth cost, too: the standard deviation of the change of a node's "
-                   "acceleration from one "
-                   "step to the next, m/s^2 [does not matter]")
+                   "Penalise jumps of the accelerations of nodes from one step to the next: their standard deviation, "
+                   "m/s^2 [no penalty]")
       ->type_name("A")
       ->check(number_between(above_zero, finite));
   arguments->output.add_to(*command);

@@ -16,7 +16,7 @@ using namespace springnet;
 
 namespace {
 
-constexpr std::string_view heading = "springnet state 4\n";
+constexpr std::string_view heading = "springnet state 5\n";
 
 // [heading][identity's size and checksum][state's size and checksum][identity][state]
 std::string around(const std::string& saved, std::string_view state) {

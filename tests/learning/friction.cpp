@@ -93,6 +93,40 @@ TEST_CASE("derivatives by friction of a node that slides along the edge of two s
   }
 }
 
+TEST_CASE("derivatives by the friction of an instrument that moves, and of a plane that had none to begin with") {
+  Network net = block_at({0, 0, 0.1}, {0.4, 0.2, -0.5}, 6);
+  net.add_plane(floor_with({Friction::Kind::coulomb, 0.0}, {0.2, -0.1, 1.0}));
+  Instrument ball;
+  ball.name = "ball";
+  ball.first = ball.second = {0.1, 0.1, 0.45};
+  ball.radius = 0.1;
+  ball.friction = very_rough;
+  Motion down;
+  down.times = {0.0, 0.5};
+  down.displacements = {Vector3::Zero(), Vector3(0.05, 0.0, -0.2)};
+  ball.motion = down;
+  net.add_instrument(ball);
+  CHECK(select_learnable(net, *plugins(), "friction@ball").values.members == std::vector<std::uint32_t>{1});
+  for (const double theta : {1.0, 0.5}) {
+    CAPTURE(theta);
+    testing::check_derivatives(net, settled(theta, newton), 0.4,
+                               {{Kind::friction, false, "", {1}}, {Kind::mass, false, "", {0, 3, 6}}});
+    // At 0 the coefficient cannot go down: one side of the derivative is there.
+    MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), settled(theta, newton), 0.4,
+                             {{Kind::friction, false, "", {0}}});
+    const Eigen::VectorXd values = motion.values_of_network();
+    motion.run(values);
+    const Loss loss(motion.step_count() + 1, net.nodes().size());
+    const double slope = loss.gradient(motion)[0];
+    const auto at = [&](double mu) {
+      motion.run(Eigen::VectorXd::Constant(1, mu));
+      return loss.of(motion);
+    };
+    constexpr double h = 1e-6;
+    CHECK(slope == doctest::Approx((-3.0 * at(0.0) + 4.0 * at(h) - at(2.0 * h)) / (2.0 * h)).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("derivatives by friction have the motion of located events") {
   for (const double theta : {1.0, 0.5})
     for (const double restitution : {0.0, 0.5}) {
@@ -188,6 +222,7 @@ TEST_CASE("friction that is not there, or another one in each experiment, is ref
   rigid.add_rigid(0, 1);
   rigid.set_gravity({0, 0, -9.81});
   rigid.add_plane(floor_with(rough));
+  rigid.add_plane(wall_with(very_rough));
   MotionDerivatives motion(std::make_shared<const Network>(rigid), plugins(), options, 0.2,
                            {{Kind::friction, false, "", {0}}});
   motion.run(motion.values_of_network());
@@ -199,6 +234,11 @@ TEST_CASE("friction that is not there, or another one in each experiment, is ref
     said = error.what();
   }
   CHECK(said.find("is rigidly connected, touches plane 'floor'") != std::string::npos);
+  // That of the wall, which it does not reach, is without effect.
+  MotionDerivatives without(std::make_shared<const Network>(rigid), plugins(), options, 0.1,
+                            {{Kind::friction, false, "", {1}}});
+  without.run(without.values_of_network());
+  CHECK(without.adjoint([](std::size_t, MotionDerivatives::StateChange& add) { add.positions(0, 0) = 1.0; })[0] == 0.0);
 }
 
 TEST_CASE("the friction of a surface is set while a simulation runs, saved and written") {
@@ -220,7 +260,6 @@ TEST_CASE("the friction of a surface is set while a simulation runs, saved and w
   CHECK(refusal_of([&] { simulation.set_friction(1, 0.4); }).find("surface 1 does not exist") != std::string::npos);
   CHECK(refusal_of([&] { simulation.set_friction(0, -0.1); }).find("plane 'floor' (number 0) is -0.1") !=
         std::string::npos);
-  Simulation without(block_at({0, 0, 1}, {0, 0, 0}), plugins(), options);
   Network slippery;
   slippery.add_node(point({0, 0, 1}));
   slippery.add_plane(floor_with(smooth));

@@ -92,6 +92,41 @@ TEST_CASE("springs that are damaged until they break do so at times that are par
   }
 }
 
+TEST_CASE("an element breaks from damage at a time that is part of the derivatives, beside others that touch at once") {
+  Network net;
+  const NodeIndex a = net.add_node(point({0, 0, 0.3}, 1.0, {0, 0, -1.0})),
+                  b = net.add_node(point({1.2, 0, 0.3}, 1.0, {0.3, 0, -1.0})),
+                  c = net.add_node(point({0.1, 1.1, 0.9}, 1.5, {0, 0.2, -1.0}));
+  net.add_element(Invariant::area, {a, b, c},
+                  net.add_material({LawUse{"damaging",
+                                           {{"stiffness", 40.0},
+                                            {"threshold_strain", 0.01},
+                                            {"softening_strain", 0.3},
+                                            {"relaxation_time", 0.05},
+                                            {"breaking_damage", 0.4}}},
+                                    std::nullopt}),
+                  0.5);
+  const MaterialIndex relaxing = net.add_material({maxwell.use, std::nullopt});
+  net.add_spring(a, c, relaxing);
+  net.add_spring(b, c, relaxing);
+  Plane floor = floor_with(smooth, Vector3::UnitZ(), 0.5);
+  net.add_plane(floor);
+  const std::vector<LearnedValues> values{{Kind::spring_parameter, true, "stiffness", {0}},
+                                          {Kind::spring_parameter, true, "threshold_strain", {0}},
+                                          {Kind::rest_length, true, "", {0}},
+                                          {Kind::spring_parameter, false, "relaxation_time", {0, 1}},
+                                          {Kind::mass, false, "", {0, 1, 2}}};
+  for (const double theta : {1.0, 0.5}) {
+    CAPTURE(theta);
+    MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), located(theta, 0.011), 0.4, values);
+    motion.run(motion.values_of_network());
+    const std::vector<Event> events = motion.events();
+    REQUIRE(std::any_of(events.begin(), events.end(),
+                        [](const Event& each) { return each.kind == Event::Kind::ruptured && each.element; }));
+    CHECK(check_derivatives(net, located(theta, 0.011), 0.4, values, differences) > 1);
+  }
+}
+
 // The end of the spring is so heavy that its length stays: damage goes to its aim g as d = g (1 - exp(-t / tau)), the
 // spring breaks at tb = -tau log(1 - b / g), and by then it has given the mass the momentum
 //   k x (tb - g (tb - tau (1 - exp(-tb / tau)))),   1 - exp(-tb / tau) = b / g.

@@ -48,7 +48,7 @@ Network small_net() {
 
 // The bytes with another identity or state, and checksums that fit.
 std::string with_parts(const std::string& saved, const std::function<void(std::string&, std::string&)>& change) {
-  const std::size_t head = std::strlen("springnet state 4\n");
+  const std::size_t head = std::strlen("springnet state 5\n");
   std::uint64_t sizes[2];
   std::uint32_t sums[2];
   const auto place = [&](int k) { return head + 12 * static_cast<std::size_t>(k); };
@@ -167,7 +167,7 @@ TEST_CASE("files that cannot be written or read") {
     const std::uint64_t size = std::uint64_t{1} << 40;
     if (announced) {
       std::string head = state;
-      const std::size_t place = std::strlen("springnet state 4\n") + 12;
+      const std::size_t place = std::strlen("springnet state 5\n") + 12;
       std::uint64_t identity = 0;
       std::memcpy(&identity, head.data() + place - 12, 8);
       const std::uint64_t rest = size - (place + 12) - identity;

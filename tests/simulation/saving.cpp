@@ -201,7 +201,7 @@ TEST_CASE("a state that is damaged or of another simulation is refused, and chan
     CHECK(said.find(message) != std::string::npos);
   };
   refused(own, "", "this is no state saved by springnet");
-  refused(own, "springnet state 4\n", "ends too early");
+  refused(own, "springnet state 5\n", "ends too early");
   refused(own, saved.substr(0, saved.size() - 1), "damaged: it has");
   for (const std::size_t place : {std::size_t{40}, saved.size() / 2, saved.size() - 1}) {
     std::string flipped = saved;
@@ -219,7 +219,7 @@ TEST_CASE("a state that is damaged or of another simulation is refused, and chan
   CHECK(own.save() == saved);
 
   // With a checksum that fits, whatever the bytes are: an error that changes nothing, or a motion.
-  const std::size_t head = std::strlen("springnet state 4\n") + 24;
+  const std::size_t head = std::strlen("springnet state 5\n") + 24;
   std::uint64_t told = 0;
   std::memcpy(&told, saved.data() + head - 24, sizeof told);
   std::mt19937 random(1);

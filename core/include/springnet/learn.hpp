@@ -49,7 +49,7 @@ struct Learnable {
 // "rest_length", "reference", "mass", "velocity" (of nodes that are not fixed), of all or, "mass@NAME", of a body; each
 // by itself, or, "mass:together", as one, or, "mass:field=2", as a field of this degree (masses then of fixed nodes,
 // too: their weight is part of their reactions); "load" or, "load@2", one by its number; "gravity" or, "gravity@z", one
-// component, or, "gravity:together", its strength. Throws Error(input) that tells what there is.
+// component, or, "gravity:together", its strength; "friction" or, "friction@table", that of one surface. Throws Error(input) that tells what there is.
 [[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
                                                        std::string_view text);
 // Several of them. Throws Error(input) also if two have a value in common, and names both.
@@ -57,8 +57,8 @@ struct Learnable {
                                                                      const std::vector<std::string>& texts);
 
 // A net with loads and start of its own whose motion was observed. All have the same springs, elements and nodes; the
-// search begins with the values of the first one, and all move with the same values, start velocities that are learned
-// included.
+// search begins with the values of the first one, and all move with the same values, start velocities, gravity and
+// friction that are learned included.
 struct Experiment {
   std::shared_ptr<const Network> network;
   SimulationOptions options;   // time step and integrator, see MotionDerivatives
@@ -70,7 +70,7 @@ struct Experiment {
 struct LearnProgress {
   int iteration = 0;         // of all stages
   double share = 1.0;        // of the observed time that is learned from
-  double cost = 0.0;         // 1/2 sum of weighted squares of residuals, those of the guess among them
+  double cost = 0.0;         // 1/2 sum of weighted squares of residuals, with those of the guess and of smoothness
   double rms = 0.0;          // root mean square of the weighted differences from the observations alone
   Eigen::VectorXd values{};  // the best so far, as of MotionDerivatives
   int start = 0;             // see LearnOptions::starts
@@ -165,8 +165,8 @@ struct LearnOptions {
   // threads is open (0) share what is left. The results are the same, bit for bit.
   unsigned threads = 0;
   GuessRule guess_rule = GuessRule::given;  // another: guess_weight has no meaning
-  // Motions that are not smooth cost, too: the standard deviation of the change of a node's acceleration from one step
-  // to the next, m/s^2, in each direction. It counts in the search, not in rms and intervals, which are of what was
+  // A penalty on jumps of the accelerations of nodes from one step to the next: their standard deviation, m/s^2, in each
+  // direction. It counts in the search, not in rms and intervals, which are of what was
   // observed. Infinite: it does not matter.
   double smoothness = std::numeric_limits<double>::infinity();
   // Of more variables than have intervals (2000): products with the sensitivities, each of which takes about two
@@ -196,7 +196,7 @@ struct LearnedParameter {
   // determine nothing. The guess, if it has a weight, may hold the value outside.
   double lower = 0.0, upper = 0.0;
   bool at_bound = false;
-  bool is_outside = false;  // of its interval: the guess, or a bound, holds it there
+  bool is_outside = false;  // of its interval: the guess, smoothness or a bound holds it there
   // Share of the variable that the data determine, 1 to 0: what is missing lies in combinations that they do not; of
   // the combination of variables that the value of a field is.
   double determined = 1.0;
@@ -230,8 +230,9 @@ struct LearnedNet {
   std::string method = "trajectory";  // or "online"
   std::vector<LearnedParameter> parameters;
   Eigen::VectorXd values;  // of all, as of MotionDerivatives
-  double start_cost = 0.0, cost = 0.0;
-  double rms = 0.0;          // of the weighted residuals
+  double start_cost = 0.0, cost = 0.0;  // see LearnProgress
+  double smooth_cost = 0.0;  // the part of smoothness in it
+  double rms = 0.0;          // of the weighted residuals of the observations
   std::size_t observed = 0;  // values
   std::size_t variables = 0;
   // Of the residuals by the variables, descending; with more variables than have intervals the greatest.
