@@ -49,7 +49,8 @@ struct Learnable {
 // "rest_length", "reference", "mass", "velocity" (of nodes that are not fixed), of all or, "mass@NAME", of a body; each
 // by itself, or, "mass:together", as one, or, "mass:field=2", as a field of this degree (masses then of fixed nodes,
 // too: their weight is part of their reactions); "load" or, "load@2", one by its number; "gravity" or, "gravity@z", one
-// component, or, "gravity:together", its strength; "friction" or, "friction@table", that of one surface. Throws Error(input) that tells what there is.
+// component, or, "gravity:together", its strength; "friction" or, "friction@table", that of one surface. Throws
+// Error(input) that tells what there is.
 [[nodiscard]] SPRINGNET_API Learnable select_learnable(const Network& network, const PluginHost& plugins,
                                                        std::string_view text);
 // Several of them. Throws Error(input) also if two have a value in common, and names both.
@@ -165,9 +166,9 @@ struct LearnOptions {
   // threads is open (0) share what is left. The results are the same, bit for bit.
   unsigned threads = 0;
   GuessRule guess_rule = GuessRule::given;  // another: guess_weight has no meaning
-  // A penalty on jumps of the accelerations of nodes from one step to the next: their standard deviation, m/s^2, in each
-  // direction. It counts in the search, not in rms and intervals, which are of what was
-  // observed. Infinite: it does not matter.
+  // A penalty on jumps of the accelerations of nodes from one step to the next: their standard deviation, m/s^2, in
+  // each direction. It counts in the search, not in rms and intervals, which are of what was observed. Infinite: it
+  // does not matter.
   double smoothness = std::numeric_limits<double>::infinity();
   // Of more variables than have intervals (2000): products with the sensitivities, each of which takes about two
   // motions, from which singular values and LearnedParameter::from_guess are told. Each finds at most one more
@@ -229,11 +230,11 @@ struct LearnedStart {
 struct LearnedNet {
   std::string method = "trajectory";  // or "online"
   std::vector<LearnedParameter> parameters;
-  Eigen::VectorXd values;  // of all, as of MotionDerivatives
+  Eigen::VectorXd values;               // of all, as of MotionDerivatives
   double start_cost = 0.0, cost = 0.0;  // see LearnProgress
-  double smooth_cost = 0.0;  // the part of smoothness in it
-  double rms = 0.0;          // of the weighted residuals of the observations
-  std::size_t observed = 0;  // values
+  double smooth_cost = 0.0;             // the part of smoothness in it
+  double rms = 0.0;                     // of the weighted residuals of the observations
+  std::size_t observed = 0;             // values
   std::size_t variables = 0;
   // Of the residuals by the variables, descending; with more variables than have intervals the greatest.
   std::vector<double> singular_values;

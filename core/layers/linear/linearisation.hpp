@@ -20,7 +20,7 @@ class AxialSprings;
 
 // Blocks of springs are kept one each (springs/blocks.hpp), those of elements summed (element_linearisation.hpp). The
 // rank-one terms of enclosures stay out of the sparse matrix, which they would fill. Where all laws of springs are
-// axial, their blocks are computed when they are first asked for: transposed products do without.
+// axial, their blocks are computed when they are first asked for: products, also transposed, do without.
 class Linearisation {
  public:
   // References must outlive it. constrained: [node] 1 where a node is fixed or held, so that its acceleration is 0.
