@@ -150,7 +150,15 @@ void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed&
   for (const auto& [node, touch] : now)
     if (touch.slides && model.contact.slip_phase(node) != Contact::Slip::ongoing)
       slips.push_back({node, model.contact.slip(node), model.contact.slip_phase(node)});
-  for (std::size_t number = first; number <= part_count; ++number) history.set_slips(number, slips);
+  for (std::size_t number = first; number <= part_count; ++number) {
+    std::vector<learning::Slipping> own = slips;
+    // Of those whose slip ends at the same time only rounding tells the direction of what is left of it.
+    for (std::size_t i = number - first + 1; i < part.events.size(); ++i)
+      if (const LocatedEvent& later = part.events[i];
+          later.kind == LocatedEvent::Kind::rest && !later.slip.isZero() && !later.after.slides)
+        own.push_back({later.index, later.slip, Contact::Slip::ending});
+    history.set_slips(number, std::move(own));
+  }
 }
 
 MotionDerivatives::Impl::Parts MotionDerivatives::Impl::parts_of(std::size_t k) {

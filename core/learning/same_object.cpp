@@ -113,9 +113,13 @@ void check_same_friction(const std::vector<Experiment>& experiments, const std::
                                       own[member].second.kind != first[member].second.kind ||
                                       own[member].second.coefficient != first[member].second.coefficient))
           throw Error(ErrorKind::input,
-                      fmt::format("learning: the friction of surface {} is learned for all experiments, and experiment "
-                                  "{} has another surface of this number, or starts with another friction of it",
-                                  member, k + 1));
+                      fmt::format("learning: the friction of surface {}{} is learned for all experiments, which need "
+                                  "the same planes and instruments in the same order, with the same friction at first: "
+                                  "experiment {} has {}",
+                                  member, first[member].first.empty() ? "" : ", '" + first[member].first + "',", k + 1,
+                                  member >= own.size()                       ? "none of this number"
+                                  : own[member].first != first[member].first ? "another one of this number"
+                                                                             : "another friction of it"));
     }
   }
 }

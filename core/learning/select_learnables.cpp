@@ -215,11 +215,11 @@ std::vector<std::uint32_t> rough_surfaces(const Network& network, const Selectio
   if (names.empty() && selection.body.empty())
     refuse(selection.text,
            "no plane or instrument has a coefficient of friction; give one a first guess: friction = 0.3");
-  refuse(
-      selection.text,
-      fmt::format("{} '{}'{}", is_known ? "there is no coefficient of friction of" : "there is no plane or instrument",
-                  printable(selection.body),
-                  names.empty() ? "" : fmt::format("; those with one are: {}", fmt::join(names, ", "))));
+  const std::string others = names.empty() ? "" : fmt::format("; those with one are: {}", fmt::join(names, ", "));
+  refuse(selection.text,
+         is_known ? fmt::format("there is no coefficient of friction of '{}': give it a first guess, friction = 0.3{}",
+                                printable(selection.body), others)
+                  : fmt::format("there is no plane or instrument '{}'{}", printable(selection.body), others));
 }
 
 }  // namespace

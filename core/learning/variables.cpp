@@ -64,7 +64,7 @@ Bounds bounds_of(const Network& network, const PluginHost& plugins, const Learne
     case Kind::mass:
       return {0.0, infinite, true};
     case Kind::friction:
-      return {0.0, infinite, false};
+      return {0.0, infinite, true};
     case Kind::initial_velocity:
     case Kind::load:
     case Kind::gravity:
@@ -130,6 +130,12 @@ class Variables::Builder {
     const Bounds bounds = bounds_of(network_, plugins_, what.values, member);
     Link& link = links_[value];
     link = {0, 1, 1.0, 0.0, false, std::max(bounds.lower, what.lower), std::min(bounds.upper, what.upper)};
+    if (what.values.kind == Kind::friction && own(value) == 0.0)
+      throw Error(
+          ErrorKind::input,
+          fmt::format("learning: the friction of surface {} starts at 0, from where its size is not found; begin "
+                      "above it, as with 0.1",
+                      member));
     if (!(own(value) >= link.lower && own(value) <= link.upper))
       throw Error(ErrorKind::input,
                   fmt::format("learning: the search starts at {:g}, which is not within {:g} and {:g}; "

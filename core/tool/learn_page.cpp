@@ -290,6 +290,7 @@ std::string value_title(const LearnedParameter& parameter) {
   const std::string name =
       name_of(parameter) + (parameter.body.empty() || !is_on_body(parameter) ? "" : "@" + parameter.body);
   if (parameter.together) return name + ":together";
+  if (parameter.kind == LearnedValues::Kind::friction && !parameter.body.empty()) return name + "@" + parameter.body;
   if (parameter.kind == LearnedValues::Kind::gravity) return name;
   return fmt::format("{} of {} {}", name, member_name(parameter.kind, parameter.of_elements), parameter.member);
 }
