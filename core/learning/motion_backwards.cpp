@@ -83,9 +83,10 @@ void MotionDerivatives::Impl::step_backwards(const Step& own) {
                                       : 0.0;
   outputs.to_start(product, other, dp, dv);
   dv += solution;
-  internal.weigh_start(start, end, weights, dp, dv);
   clear_pinned(dp);
   clear_pinned(dv);
+  // Where nodes that are moved start matters if the time of the start does.
+  internal.weigh_start(start, end, weights, dp, dv);
   pending.resize(0);
   if (own.c > 0.0) {
     pending = own.c * solution;

@@ -87,6 +87,40 @@ TEST_CASE("releases and slips of a body whose springs have memory move with what
       }
 }
 
+// The tension of a Maxwell spring that is drawn at a constant speed v is k v tau (1 - exp(-t / tau)): it lifts the mass
+// from the floor when that is its weight.
+TEST_CASE("a spring with memory lifts a mass at the time of the closed form, which moves with what it is made of") {
+  constexpr double k = 40.0, tau = 0.3, speed = 1.0, g = 9.81;
+  Network net;
+  net.add_node(point({0, 0, 0}));
+  const NodeIndex hook = net.add_node(point({0, 0, 1}));
+  net.add_spring(
+      0, hook, net.add_material({LawUse{"maxwell", {{"stiffness", k}, {"relaxation_time", tau}}}, std::nullopt}), 1.0);
+  Move up;
+  up.nodes = {hook};
+  up.motion.interpolation = Motion::Interpolation::linear;
+  up.motion.times = {0.0, 1.0};
+  up.motion.displacements = {Vector3::Zero(), Vector3(0, 0, speed)};
+  net.add_move(up);
+  net.set_gravity({0, 0, -g});
+  net.add_plane(floor_with(smooth));
+  const std::vector<LearnedValues> values{{Kind::spring_parameter, false, "stiffness", {0}},
+                                          {Kind::spring_parameter, false, "relaxation_time", {0}},
+                                          {Kind::mass, false, "", {0}}};
+  MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), located(0.5, 0.01), 0.7, values);
+  motion.run(motion.values_of_network());
+  const std::vector<Event> events = motion.events();
+  const auto lifted =
+      std::find_if(events.begin(), events.end(), [](const Event& each) { return each.kind == Event::Kind::released; });
+  REQUIRE(lifted != events.end());
+  // Steps of second order, of a thirtieth of the relaxation time.
+  CHECK(lifted->time == doctest::Approx(-tau * std::log(1.0 - g / (k * speed * tau))).epsilon(1e-3));
+  for (const double theta : {1.0, 0.5}) {
+    CAPTURE(theta);
+    CHECK(check_derivatives(net, located(theta, 0.01), 0.7, values, differences) > 0);
+  }
+}
+
 TEST_CASE("springs that are damaged until they break do so at times that are part of the derivatives") {
   const Network net = torn(0.2037, true);
   const auto all_springs = static_cast<std::uint32_t>(net.springs().size());
