@@ -209,6 +209,7 @@ VectorXd Fit::residuals(const VectorXd& x) {
   const Eigen::Index guess_rows = root_weight() > 0.0 ? x.size() : 0;
   VectorXd result = VectorXd::Zero(rows_ + smooth_rows_ + guess_rows);
   result.head(rows_) = observed;
+  if (!moves) result.segment(rows_, smooth_rows_).setConstant(std::numeric_limits<double>::quiet_NaN());
   if (moves && smooth_rows_ > 0) {
     for_each_run([&](std::size_t k) {
       const Run& each = runs_[k];

@@ -37,10 +37,10 @@ FILE is a table (CSV) with a line for each observation: time,node,x,y,z as in tr
 rx,ry,rz (forces that hold nodes, as in reactions.csv), or time,node,other,distance, or time,x,y,z (points of the
 surface); an empty cell is missing, 'weight' or a standard deviation 's' weighs a line.
 
-WHAT is spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME (parameters that a law or
-neuron declares learnable), rest_length, reference, mass, velocity, load, gravity or friction; @BODY takes one body alone,
-@BODY/GROUP a group of its nodes, :together one value for all, :field=2 a smooth field of second degree; load@2 is the
-third [[force]], gravity@z one component, friction@table that of one surface.
+WHAT is spring.NAME, viscosity.NAME, element.spring.NAME, element.viscosity.NAME, neuron.NAME (parameters that a law
+or neuron declares learnable), rest_length, reference, mass, velocity, load, gravity or friction; @BODY takes one body
+alone, @BODY/GROUP a group of its nodes, :together one value for all, :field=2 a smooth field of second degree; load@2
+is the third [[force]], gravity@z one component, friction@table that of one surface.
 
 Files in the output folder:
   learned.toml      the scene with the values that were learned; many of springs or elements are in
