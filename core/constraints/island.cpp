@@ -143,9 +143,7 @@ Vector3 Island::acceleration(std::size_t node) const {
   return sum;
 }
 
-// The direction in which a node on a single surface begins to slip, with the forces of all other nodes kept; empty if
-// it does not slip.
-std::optional<Vector3> Island::slip_of(std::size_t i) const {
+std::optional<Island::Alone> Island::alone(std::size_t i) const {
   const ContactNode& node = nodes_[i];
   const ContactSide* touched = nullptr;
   for (const ContactSide& side : node.sides) {
@@ -159,7 +157,28 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const Vector3 other = acceleration(i) - mobility * node.force;
   Vector3 relative = other - touched->surface_acceleration;
   relative += n * (n.dot(other) - touched->target_acceleration - n.dot(relative));
-  const ContactResponse answer = solve_contact(mobility, relative, n, capped(touched->friction, friction_of_held));
+  return Alone{*touched, mobility, relative};
+}
+
+// The direction of slip which the force that would hold a node on a single surface opposes, with the forces of all
+// other nodes kept. Friction along it stops the slip, and then reverses it.
+std::optional<Vector3> Island::held_against(std::size_t i) const {
+  const std::optional<Alone> own = alone(i);
+  if (!own) return std::nullopt;
+  const Vector3& n = own->side.normal;
+  const Vector3 against = own->mobility.ldlt().solve(own->relative), slip = against - n * n.dot(against);
+  if (slip.isZero(0.0)) return std::nullopt;
+  return slip.normalized();
+}
+
+// The direction in which a node on a single surface begins to slip, with the forces of all other nodes kept; empty if
+// it does not slip.
+std::optional<Vector3> Island::slip_of(std::size_t i) const {
+  const std::optional<Alone> own = alone(i);
+  if (!own) return std::nullopt;
+  const Vector3& n = own->side.normal;
+  const ContactResponse answer =
+      solve_contact(own->mobility, own->relative, n, capped(own->side.friction, friction_of_held));
   const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
   if (answer.sticks || !(answer.normal > 0.0) || sliding.isZero(0.0)) return std::nullopt;
   return sliding.normalized();
@@ -167,7 +186,10 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
 
 // Beginning slip is parallel to the sliding acceleration. Friction opposes it, and with an anisotropic effective mass
 // turns the acceleration, so that the direction is found by iteration.
-void Island::solve() {
+void Island::solve(bool keeps_slips) {
+  std::vector<Vector3> kept;
+  if (keeps_slips)
+    for (const ContactNode& node : nodes_) kept.push_back(node.slip);
   double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
   for (int iteration = 0; iteration < max_directions; ++iteration) {
     if (iteration > max_guesses && iteration % max_guesses == 0) {
@@ -188,13 +210,21 @@ void Island::solve() {
       const bool against = sliding.dot(node.slip) < 0.0;
       // At the boundary of the cone the acceleration is too small to have a direction.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
-      if (sliding.norm() <= 1e-6 * scale && !against) continue;
+      const bool is_small = sliding.norm() <= 1e-6 * scale;
+      if (is_small && !against && !keeps_slips) continue;
       // Great friction overshoots or reverses the slip through the mobility's coupling of normal and tangential
       // directions. Then search all directions.
       std::optional<Vector3> slip;
       const bool pulls = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
-      if (against || pulls || iteration >= max_guesses) slip = slip_of(i);
-      if (!slip && against) continue;  // it would stick
+      if (against || is_small || pulls || iteration >= max_guesses) slip = slip_of(i);
+      if (!slip && (against || is_small)) {  // it would stick
+        if (const std::optional<Vector3> held = keeps_slips ? held_against(i) : std::nullopt;
+            held && held->dot(kept[i]) > 0.0) {
+          turned = std::max(turned, (*held - node.slip).norm());
+          node.slip = *held;
+        }
+        continue;
+      }
       if (!slip)
         slip =
             iteration < max_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());

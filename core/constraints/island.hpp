@@ -112,8 +112,10 @@ class Island {
   // After resolve() failed: keeps the present active set whatever the signs of the forces; releases a pulling side only
   // if its gap opens without it.
   void hold(double negligible);
-  // Solves for the forces of the present active set, whatever their signs.
-  void solve();
+  // Solves for the forces of the present active set, whatever their signs. keeps_slips: friction that is great enough
+  // to hold a node that slips opposes the force that would, so that its slip passes through zero as a smooth function;
+  // unless that is against the direction of slip at the start.
+  void solve(bool keeps_slips = false);
   // Makes a sticking node slip against its tangential force of the last solve().
   void begin_slip(std::size_t node);
   // Releases a node that would slip on a holding surface, which happens only where the normal force vanishes. False,
@@ -130,7 +132,16 @@ class Island {
   void set_active_set(std::uint64_t bits);
   [[nodiscard]] std::uint64_t braced_set() const;
   void solve_once();
+  // A node on a single surface, with the forces of all other nodes kept: its own mobility, and its acceleration
+  // relative to the one that it has to have, without its own force.
+  struct Alone {
+    const ContactSide& side;
+    Matrix3 mobility;
+    Vector3 relative;
+  };
+  [[nodiscard]] std::optional<Alone> alone(std::size_t node) const;
   [[nodiscard]] std::optional<Vector3> slip_of(std::size_t node) const;
+  [[nodiscard]] std::optional<Vector3> held_against(std::size_t node) const;
   // Pivots from the present active set, one change at a time; `changed` collects the nodes that change. False: it
   // cycles.
   bool pivot(double negligible, std::set<std::size_t>& changed);

@@ -238,7 +238,7 @@ bool RigidConnections::Step::find_impulses(bool choose) {
   if (choose)
     found = island_->resolve_impulses(negligible_impulse * scale);
   else
-    island_->solve();
+    island_->solve(!decides_);
   for (const ContactNode& node : island_->nodes()) members_[node.node].impulse = node.force;
   return found;
 }

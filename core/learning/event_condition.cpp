@@ -18,7 +18,7 @@ class OfNode {
       : contact_(contact), at_(at), event_(event), a_(acceleration), now_(at.placed(at.time)) {}
 
   [[nodiscard]] std::optional<NodeCondition> found() const {
-    const bool on_edge = event_.before.second >= 0;
+    const bool on_edge = event_.own.before.second >= 0;
     switch (event_.kind) {
       case EventKind::touch:
         return of_number(surfaces().gap(event_.surface, place()));
@@ -27,7 +27,7 @@ class OfNode {
       case EventKind::slip:
         return on_edge ? std::nullopt : std::optional(of_number(beyond_friction()));
       case EventKind::rest:
-        return on_edge ? std::nullopt : std::optional(of_number(dot(constant(event_.slip), slip())));
+        return on_edge ? std::nullopt : std::optional(of_number(dot(constant(event_.own.slip), slip())));
       case EventKind::slow:
       case EventKind::quick:
         return on_edge ? std::nullopt : std::optional(of_number(length(slip())));
@@ -44,8 +44,8 @@ class OfNode {
   }
   [[nodiscard]] SurfaceNumbers surfaces() const { return {contact_, *now_, by_end_time}; }
   // The acceleration has the variables of V.
-  [[nodiscard]] Vector place() const { return variable(event_.p, by_p); }
-  [[nodiscard]] Vector velocity() const { return variable(event_.v, by_v); }
+  [[nodiscard]] Vector place() const { return variable(event_.own.p, by_p); }
+  [[nodiscard]] Vector velocity() const { return variable(event_.own.v, by_v); }
   [[nodiscard]] static NodeCondition of_number(const Number& value) {
     NodeCondition result;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -73,8 +73,8 @@ class OfNode {
         acceleration_by_position(now_->poses[index]) * changes_of(place()) - changes_of(variable(a_, by_free));
     if (contact_.obstacles()[index].moves())
       changes.col(by_end_time) +=
-          by_time([&](const Placement& at) { return Vector3(Contact::acceleration(at, index, event_.p)); });
-    return vector_of(Contact::acceleration(*now_, index, event_.p) - a_, changes);
+          by_time([&](const Placement& at) { return Vector3(Contact::acceleration(at, index, event_.own.p)); });
+    return vector_of(Contact::acceleration(*now_, index, event_.own.p) - a_, changes);
   }
   [[nodiscard]] Number beyond_friction() const {
     const Vector r = missing(event_.surface), n = surfaces().normal(event_.surface, place());
@@ -89,15 +89,17 @@ class OfNode {
 
   // The acceleration with which the gap to one of the surfaces would open, m/s^2.
   [[nodiscard]] Number opening(std::int32_t j) const {
-    if (!event_.before.slides) return -dot(surfaces().normal(j, place()), missing(j));
+    if (!event_.own.before.slides) return -dot(surfaces().normal(j, place()), missing(j));
     const auto index = static_cast<std::size_t>(j);
-    const AccelerationGradient gradient = gap_acceleration_gradient(contact_, *now_, index, event_.p, event_.v, a_);
+    const AccelerationGradient gradient =
+        gap_acceleration_gradient(contact_, *now_, index, event_.own.p, event_.own.v, a_);
     const auto value = [&](const Placement& at) {
-      return contact_.normal(at, index, event_.p).dot(a_ - Contact::acceleration(at, index, event_.p)) +
-             contact_.bias_acceleration(at, index, event_.p, event_.v - Contact::velocity(at, index, event_.p));
+      return contact_.normal(at, index, event_.own.p).dot(a_ - Contact::acceleration(at, index, event_.own.p)) +
+             contact_.bias_acceleration(at, index, event_.own.p,
+                                        event_.own.v - Contact::velocity(at, index, event_.own.p));
     };
     Number result(value(*now_));
-    const Vector3 n = contact_.normal(*now_, index, event_.p);
+    const Vector3 n = contact_.normal(*now_, index, event_.own.p);
     for (std::size_t i = 0; i < 3; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       result.derivatives[by_p + i] = gradient.by_position[row];
@@ -108,7 +110,7 @@ class OfNode {
     return result;
   }
   [[nodiscard]] std::optional<NodeCondition> of_release() const {
-    const Touch& touch = event_.before;
+    const Touch& touch = event_.own.before;
     if (touch.second < 0) return of_number(opening(event_.surface));
     if (touch.third >= 0) return std::nullopt;
     // Of two surfaces: forces x with N'N x = -(openings) as if there were no friction.
@@ -129,9 +131,9 @@ class OfNode {
     NodeCondition result;
     for (Eigen::Index i = 0; i < 3; ++i) {
       const Vector3 way = d * Vector3::Unit(i);
-      result.by_position[i] = (seam(*now_, event_.p + way) - seam(*now_, event_.p - way)) / (2.0 * d);
+      result.by_position[i] = (seam(*now_, event_.own.p + way) - seam(*now_, event_.own.p - way)) / (2.0 * d);
     }
-    if (surface().moves()) result.by_time = by_time([&](const Placement& at) { return seam(at, event_.p); });
+    if (surface().moves()) result.by_time = by_time([&](const Placement& at) { return seam(at, event_.own.p); });
     return result;
   }
 
@@ -143,6 +145,30 @@ class OfNode {
 };
 
 }  // namespace
+
+StartGradient direction_gradient(const Contact& contact, const Placement& start, const LocatedEvent& event,
+                                 const Vector3& p, const Vector3& v, const Vector3& slip_at_end) {
+  const SurfaceNumbers surfaces(contact, start, by_start_time);
+  const Vector place = variable(p, by_p), n = surfaces.normal(event.surface, place);
+  const Vector relative = variable(v, by_v) - surfaces.velocity(event.surface, place);
+  const Vector slip = relative - dot(n, relative) * n;
+  StartGradient result;
+  // A slip that begins, or has been about to end before, keeps another direction.
+  constexpr double rounding = 1e-9;
+  const double speed = value_of(slip).norm();
+  if (!(speed > 0.0) || !((value_of(slip) / speed - event.own.slip).norm() <= rounding)) return result;
+  const Number value = dot(constant(slip_at_end), slip) / length(slip);
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.by_position[static_cast<Eigen::Index>(i)] = value.derivatives[by_p + i];
+    result.by_velocity[static_cast<Eigen::Index>(i)] = value.derivatives[by_v + i];
+  }
+  result.by_time = value.derivatives[by_start_time];
+  return result;
+}
+
+Vector3 slip_of(const Contact& contact, const Placement& at, const LocatedEvent& event) {
+  return contact.slip_vector(at, event.index, static_cast<std::size_t>(event.surface), event.own.p, event.own.v);
+}
 
 std::optional<NodeCondition> condition_of(const Contact& contact, const PlacedTime& at, const LocatedEvent& event,
                                           const Vector3& acceleration) {

@@ -32,23 +32,23 @@ class Jump {
         event_(event),
         time_step_(time_step),
         surfaces_(contact, at, by_end_time),
-        p_(variable(event.p, by_p)),
-        v_(variable(event.v, by_v)) {}
+        p_(variable(event.own.p, by_p)),
+        v_(variable(event.own.v, by_v)) {}
 
-  [[nodiscard]] std::optional<NodeJump> found() const {
-    const bool changes = !(event_.before == event_.after) || !(event_.v == event_.next_v);
+  [[nodiscard]] std::optional<EventJump> found() const {
+    const bool changes = !(event_.own.before == event_.own.after) || !(event_.own.v == event_.own.next_v);
     if (event_.kind == LocatedEvent::Kind::touch && changes) return of_touch();
-    const Touch& after = event_.after;
+    const Touch& after = event_.own.after;
     // Where it slid it lies on the surface already, up to rounding.
     if (after.surface >= 0 && !after.slides) return matched(p_, surfaces_.velocity(after.surface, p_));
     return matched(p_, v_);
   }
 
  private:
-  [[nodiscard]] std::optional<NodeJump> of_touch() const {
+  [[nodiscard]] std::optional<EventJump> of_touch() const {
     const std::int32_t j = event_.surface;
     const Obstacle& surface = contact_.obstacles()[static_cast<std::size_t>(j)];
-    const Touch& after = event_.after;
+    const Touch& after = event_.own.after;
     if (after.has(j) && after.second >= 0) return on_edge();
     const Vector place = surfaces_.onto(j, p_);
     if (after.has(j) && !after.slides) return matched(place, surfaces_.velocity(j, place));
@@ -77,8 +77,8 @@ class Jump {
   }
 
   // Of two surfaces: it sticks to the edge, or slides along it without friction.
-  [[nodiscard]] std::optional<NodeJump> on_edge() const {
-    const Touch& after = event_.after;
+  [[nodiscard]] std::optional<EventJump> on_edge() const {
+    const Touch& after = event_.own.after;
     if (after.third >= 0) return std::nullopt;
     const Vector a0 = surfaces_.normal(after.surface, p_), b0 = surfaces_.normal(after.second, p_);
     const Vector place = p_ - pulled(a0, b0, surfaces_.gap(after.surface, p_), surfaces_.gap(after.second, p_));
@@ -94,14 +94,14 @@ class Jump {
     return ((along_a - ab * along_b) / determinant) * a + ((along_b - ab * along_a) / determinant) * b;
   }
 
-  [[nodiscard]] std::optional<NodeJump> matched(const Vector& place, const Vector& velocity) const {
-    const double speed = event_.v.norm() + event_.next_v.norm();
-    if (!((value_of(velocity) - event_.next_v).norm() <= tolerance * speed)) return std::nullopt;
-    if (!((value_of(place) - event_.next_p).norm() <=
-          tolerance * speed * time_step_ + rounding_of_place * event_.p.norm()))
+  [[nodiscard]] std::optional<EventJump> matched(const Vector& place, const Vector& velocity) const {
+    const double speed = event_.own.v.norm() + event_.own.next_v.norm();
+    if (!((value_of(velocity) - event_.own.next_v).norm() <= tolerance * speed)) return std::nullopt;
+    if (!((value_of(place) - event_.own.next_p).norm() <=
+          tolerance * speed * time_step_ + rounding_of_place * event_.own.p.norm()))
       return std::nullopt;
     const Changes by_place = changes_of(place), by_velocity = changes_of(velocity);
-    NodeJump result;
+    EventJump result{Eigen::MatrixXd(6, 6), Eigen::VectorXd(6), Eigen::VectorXd(6), {}};
     result.by_state << by_place.leftCols<6>(), by_velocity.leftCols<6>();
     result.by_time << by_place.col(by_end_time), by_velocity.col(by_end_time);
     result.by_friction << by_place.col(by_first_friction), by_velocity.col(by_first_friction);
@@ -117,8 +117,8 @@ class Jump {
 
 }  // namespace
 
-std::optional<NodeJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event,
-                                double time_step) {
+std::optional<EventJump> jump_of(const Contact& contact, const Placement& at, const LocatedEvent& event,
+                                 double time_step) {
   return Jump(contact, at, event, time_step).found();
 }
 

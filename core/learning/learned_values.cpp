@@ -382,6 +382,14 @@ Eigen::VectorXd LearnedSets::friction_gradient(std::int32_t surface, double by_f
   return result;
 }
 
+Eigen::VectorXd LearnedSets::mass_gradient(const Eigen::VectorXd& by_mass) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count_));
+  for (const Set& set : sets_)
+    for (std::size_t i = 0; set.what.kind == Kind::mass && i < set.places.size(); ++i)
+      result[static_cast<Eigen::Index>(set.first + i)] = set.factor(i) * by_mass[set.places[i]];
+  return result;
+}
+
 std::vector<std::uint32_t> LearnedSets::with_start_velocities() const {
   std::vector<std::uint32_t> result;
   for (const Set& set : sets_)

@@ -67,6 +67,8 @@ class LearnedSets {
   void add_to_friction(const Eigen::VectorXd& by_friction);
   // Derivatives by the values of what has this one by a surface's friction.
   [[nodiscard]] Eigen::VectorXd friction_gradient(std::int32_t surface, double by_friction) const;
+  // The same by masses, [node].
+  [[nodiscard]] Eigen::VectorXd mass_gradient(const Eigen::VectorXd& by_mass) const;
   [[nodiscard]] bool has_friction() const noexcept;
   [[nodiscard]] bool has_friction_of(std::int32_t surface) const noexcept;
   [[nodiscard]] Eigen::Index surface_count() const noexcept { return static_cast<Eigen::Index>(frictions_.size()); }

@@ -60,6 +60,11 @@ struct MotionDerivatives::Impl {
   struct ByTimes {
     ByTime start, end;
   };
+  // Of the node of an event where the part before it begins, and of the time there: a column for each change.
+  struct StartChanges {
+    Eigen::Matrix3Xd positions, velocities;
+    Eigen::RowVectorXd times;
+  };
 
   Impl(const std::shared_ptr<const Network>& net, const std::shared_ptr<const PluginHost>& plugins,
        const SimulationOptions& options, double duration, std::vector<LearnedValues> values)
@@ -200,14 +205,26 @@ struct MotionDerivatives::Impl {
   void take_part(const learning::PartRecorder::Committed& committed);
   void part_forwards(const Step& step);
   void part_backwards(const Step& step);
-  void event_backwards(const Step& step);
+  // The state has a column more, of that change, which this takes off.
+  void event_forwards(const Step& step, Eigen::Index columns, const StartChanges& start);
+  [[nodiscard]] learning::StartGradient event_backwards(const Step& step);
   [[nodiscard]] double begin_of(const Step& step) const;
   void pass_instant(const Step& step);
   // How internal states change with the time where an instant begins, with these accelerations.
   [[nodiscard]] Eigen::VectorXd rates_in_instant(const Step& step, const Eigen::VectorXd& a);
   [[nodiscard]] ByTimes find_times(const Step& step);
   [[nodiscard]] learning::EventCondition condition_of(const Step& step);
-  [[nodiscard]] learning::NodeJump jump_of(const Step& step);
+  // How the value of an event of a node changes, but for what it does by accelerations, [3 node], which is written.
+  void add_condition(const Step& step, const springnet_evaluation& end, learning::EventCondition& to);
+  // Of nodes_of_event().
+  [[nodiscard]] learning::EventJump jump_of(const Step& step);
+  [[nodiscard]] static std::vector<std::uint32_t> nodes_of_event(const learning::LocatedEvent& event);
+  // f(cluster event), of a part that ends with an event of rigidly connected nodes.
+  template <class Function>
+  auto with_cluster(const Step& step, const Function& function);
+  // Derivatives by time that have no formula, of loads and of accelerations of surfaces, are central differences over
+  // twice this share of the time step: of an error of 1e-8 times the square of the angle by which they swing in a step.
+  static constexpr double share_of_step = 1e-4;
   // How fast the value of an event changes with the time of it.
   [[nodiscard]] double rate_of(const Step& step, const learning::EventCondition& condition, const Eigen::VectorXd& p,
                                const Eigen::VectorXd& v, const Eigen::VectorXd& z) const;

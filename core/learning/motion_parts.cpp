@@ -1,7 +1,7 @@
 // Time steps that are divided where events are located. With a change of the state and of the time t0 at its start, the
-// end of a part changes by that and by the time t1 at which an event happens. This follows from the event's value g,
-// which is 0 there: dt1 = -(dg at this time) / (dg/dt1). Then the event changes the state, and the next part starts at
-// t1. At the end of the time step, and where cuts, loads and motions jump, times stay.
+// end of a part changes by that and by the time t1 at which an event happens (motion_events.cpp). Then the event
+// changes the state, and the next part starts at t1. At the end of the time step, and where cuts, loads and motions
+// jump, times stay.
 
 #include "learning/motion.hpp"
 
@@ -21,34 +21,14 @@ namespace springnet {
 using Eigen::Index;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
-using learning::EventCondition;
+using learning::add_to_node;
 using learning::LocatedEvent;
 using learning::node_of;
-using learning::NodeJump;
-using learning::put_node;
+using learning::NodeChange;
+using learning::put_state;
 using learning::StepPart;
 
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-// Derivatives by time that have no formula, of loads and of accelerations of surfaces, are central differences over
-// twice this share of the time step: of an error of 1e-8 times the square of the angle by which they swing in a step.
-constexpr double share_of_step = 1e-4;
-
-Vector6 state_of(const Eigen::Ref<const VectorXd>& p, const Eigen::Ref<const VectorXd>& v, std::uint32_t node) {
-  Vector6 result;
-  result << node_of(p, node), node_of(v, node);
-  return result;
-}
-void put_state(Eigen::Ref<VectorXd> p, Eigen::Ref<VectorXd> v, std::uint32_t node, const Vector3& position,
-               const Vector3& velocity) {
-  put_node(p, node, position);
-  put_node(v, node, velocity);
-}
-void put_state(Eigen::Ref<VectorXd> p, Eigen::Ref<VectorXd> v, std::uint32_t node, const Vector6& state) {
-  put_state(p, v, node, state.head<3>(), state.tail<3>());
-}
 
 std::string what_happens(LocatedEvent::Kind kind) {
   switch (kind) {
@@ -99,8 +79,7 @@ void MotionDerivatives::Impl::refuse_times(const Step& step, std::uint32_t node)
   const std::string at_the_same_time =
       constraints->is_rigid(node)
           ? fmt::format(
-                ", while the rigid connections of node {} touch a surface that moves, or join it to a node that "
-                "is moved",
+                ", while the rigid connections of node {} join it to a node that is moved, or have no smooth step",
                 number)
           : fmt::format(", while node {} is in a vertex of surfaces that move", number);
   refuse(step, at_the_same_time);
@@ -111,9 +90,15 @@ void MotionDerivatives::Impl::refuse_times(const Step& step, std::uint32_t node)
 void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed& committed) {
   const StepPart& part = committed.part;
   if (recorder.parts().size() == 1) parts_before.push_back(part_count);
-  for (const LocatedEvent& each : part.events)
-    if (each.is_of_node() && constraints->is_rigid(each.index))
-      refuse(each, part.time, ", as the node is rigidly connected");
+  for (const LocatedEvent& each : part.events) {
+    for (const NodeChange& of : each.cluster)
+      if (of.braced)
+        refuse(
+            each, part.time,
+            fmt::format(", as rigid connections brace node {} against surfaces", engine.model().user_number(of.node)));
+    if (!each.cluster.empty() && each.kind == LocatedEvent::Kind::several)
+      refuse(each, part.time, ", which rigid connections join");
+  }
   const std::size_t first = part_count + 1;
   part_count += std::max<std::size_t>(1, part.events.size());
   if (committed.decided) decided.insert(first);
@@ -138,7 +123,7 @@ void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed&
   } else {
     history.keep(simulation, first, committed.within);
     for (std::size_t i = 0; i < part.events.size(); ++i)
-      if (part.events[i].is_of_node()) history.change(first + i, part.events[i].index, part.events[i].after);
+      part.events[i].for_each_node([&](const NodeChange& each) { history.change(first + i, each.node, each.after); });
   }
   const learning::Touches now = learning::contacts_of(model.contact, model.node_count());
   if (const auto node = learning::differing_node(now, history.at(part_count)))
@@ -155,8 +140,8 @@ void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed&
     // Of those whose slip ends at the same time only rounding tells the direction of what is left of it.
     for (std::size_t i = number - first + 1; i < part.events.size(); ++i)
       if (const LocatedEvent& later = part.events[i];
-          later.kind == LocatedEvent::Kind::rest && !later.slip.isZero() && !later.after.slides)
-        own.push_back({later.index, later.slip, Contact::Slip::ending});
+          later.kind == LocatedEvent::Kind::rest && !later.own.slip.isZero() && !later.own.after.slides)
+        own.push_back({later.index, later.own.slip, Contact::Slip::ending});
     history.set_slips(number, std::move(own));
   }
 }
@@ -189,11 +174,11 @@ MotionDerivatives::Impl::Parts MotionDerivatives::Impl::parts_of(std::size_t k) 
     }
     State found{own.time, after->p, after->v, after->z, {}};
     for (const LocatedEvent& each : own.events)
-      if (each.is_of_node()) put_state(found.p, found.v, each.index, each.p, each.v);
+      each.for_each_node([&](const NodeChange& of) { put_state(found.p, found.v, of.node, of.p, of.v); });
     for (std::size_t e = 0; e < own.events.size(); ++e) {
       const LocatedEvent& event = own.events[e];
       add(result.states.emplace_back(found), &event, e > 0);
-      if (event.is_of_node()) put_state(found.p, found.v, event.index, event.next_p, event.next_v);
+      event.for_each_node([&](const NodeChange& of) { put_state(found.p, found.v, of.node, of.next_p, of.next_v); });
     }
     at = after;
   }
@@ -272,82 +257,6 @@ VectorXd MotionDerivatives::Impl::rates_in_instant(const Step& step, const Vecto
   return internal.rates(host, evaluation(step.from), a, share_of_step * time_step);
 }
 
-// ---- events ---------------------------------------------------------------------------------------------------------
-
-EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
-  const LocatedEvent& event = *step.event;
-  const springnet_evaluation end = evaluation(step.until);
-  EventCondition result;
-  result.by_position.setZero(size());
-  result.by_velocity.setZero(size());
-  result.by_internal.setZero(internal.count());
-  host.begin_step(begin_of(step), step.until.time);
-  if (!event.is_of_node()) {
-    const Topology::Rupturing& breaking = engine.topology().rupturing();
-    const bool is_spring = event.kind == LocatedEvent::Kind::spring_rupture;
-    const std::vector<std::uint32_t>& list = is_spring ? breaking.springs : breaking.elements;
-    const auto place = std::find(list.begin(), list.end(), event.index) - list.begin();
-    const auto number = static_cast<std::size_t>(place) + (is_spring ? 0 : breaking.springs.size());
-    result.by_values = learned.event_gradient(host, end, static_cast<std::uint32_t>(number), result.by_position.data(),
-                                              result.by_velocity.data(), result.by_time);
-    internal.add_margin(end, static_cast<std::uint32_t>(number), result.by_internal);
-    return result;
-  }
-  const Contact& contact = constraints->engine().model().contact;
-  const double h = std::max(step.until.time - step.from.time, share_of_step * time_step);
-  const learning::PlacedTime at{step.until.time, share_of_step * time_step,
-                                [&](double time) { return contact.at(just_before(time, h)); }};
-  const std::uint32_t k = event.index;
-  const auto own = learning::condition_of(contact, at, event, node_of(accelerations(host, end), k));
-  if (!own) refuse(step, "");
-  put_state(result.by_position, result.by_velocity, k, own->by_position, own->by_velocity);
-  result.by_time = own->by_time;
-  if (own->by_friction != 0.0) result.by_values = learned.friction_gradient(event.surface, own->by_friction);
-  if (own->by_acceleration.isZero(0.0)) return result;
-  VectorXd unused = VectorXd::Zero(size());
-  result.by_acceleration.setZero(size());
-  put_state(result.by_acceleration, unused, k, own->by_acceleration, Vector3::Zero());
-  host.linearise(end);
-  VectorXd by_position(size()), by_velocity(size());
-  host.jacobian_transposed_times(result.by_acceleration.data(), by_position.data(), by_velocity.data());
-  result.by_position += by_position;
-  result.by_velocity += by_velocity;
-  internal.weigh_accelerations(end, result.by_acceleration, result.by_internal);
-  const double d = step.is_instant ? share_of_step * time_step
-                                   : std::min(0.5 * (step.until.time - step.from.time), share_of_step * time_step);
-  const auto later = [&](double by) {
-    springnet_evaluation then = end;
-    then.time += by;
-    host.begin_step(step.is_instant ? then.time - share_of_step * time_step : step.from.time, then.time);
-    return accelerations(host, then);
-  };
-  const VectorXd after = later(d), before = later(-d);
-  result.by_time += result.by_acceleration.dot(after - before) / (2.0 * d);
-  host.begin_step(begin_of(step), step.until.time);
-  return result;
-}
-
-double MotionDerivatives::Impl::rate_of(const Step& step, const EventCondition& condition, const VectorXd& p,
-                                        const VectorXd& v, const VectorXd& z) const {
-  const double result =
-      condition.by_position.dot(p) + condition.by_velocity.dot(v) + condition.by_internal.dot(z) + condition.by_time;
-  const LocatedEvent::Kind kind = step.event->kind;
-  // The direction in which values cross 0.
-  const bool rises = kind == LocatedEvent::Kind::release || kind == LocatedEvent::Kind::quick;
-  const double towards = kind == LocatedEvent::Kind::seam ? std::abs(result) : rises ? result : -result;
-  if (!(towards > 0.0)) refuse(step, ", as its time has no derivative: it comes about without speed");
-  return result;
-}
-
-NodeJump MotionDerivatives::Impl::jump_of(const Step& step) {
-  if (!step.event->is_of_node()) return {};
-  const double h = std::max(step.until.time - step.from.time, share_of_step * time_step);
-  const Contact& contact = constraints->engine().model().contact;
-  const auto result = learning::jump_of(contact, *contact.at(just_before(step.until.time, h)), *step.event, time_step);
-  if (!result) refuse(step, "");
-  return *result;
-}
-
 // ---- forwards -------------------------------------------------------------------------------------------------------
 
 // With a column more, for a change of the time of its event alone.
@@ -364,6 +273,11 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
   end_time_changes.setZero(with);
   start_time_changes.head(columns) = event_time_changes;
   if (step.event != nullptr) end_time_changes[columns] = 1.0;
+  StartChanges start{Eigen::Matrix3Xd::Zero(3, columns), Eigen::Matrix3Xd::Zero(3, columns), event_time_changes};
+  for (Index j = 0; j < columns && step.event != nullptr && step.event->is_of_node(); ++j) {
+    start.positions.col(j) = node_of(dps.col(j), step.event->index);
+    start.velocities.col(j) = node_of(dvs.col(j), step.event->index);
+  }
   if (step.is_instant)
     pass_instant(step);
   else
@@ -373,88 +287,29 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
   event_time_changes.setZero();
   if (step.event == nullptr) return;
 
-  const EventCondition condition = condition_of(step);
-  const VectorXd p = dps.col(columns), v = dvs.col(columns), z = internal.change(columns);
-  const double rate = rate_of(step, condition, p, v, z);
-  const NodeJump jump = jump_of(step);
-  for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) each->conservativeResize(Eigen::NoChange, columns);
-  internal.resize_changes(columns);
-  if (condition.by_acceleration.size() > 0) learned.tangents(engine, host, evaluation(step.until), changes, by_values);
-  for (Index j = 0; j < columns; ++j) {
-    double value = condition.by_position.dot(dps.col(j)) + condition.by_velocity.dot(dvs.col(j)) +
-                   condition.by_internal.dot(internal.change(j));
-    if (condition.by_values.size() > 0) value += condition.by_values.dot(changes.col(j));
-    if (condition.by_acceleration.size() > 0) value += condition.by_acceleration.dot(by_values.col(j));
-    event_time_changes[j] = -value / rate;
-    dps.col(j) += event_time_changes[j] * p;
-    dvs.col(j) += event_time_changes[j] * v;
-    internal.change(j) += event_time_changes[j] * z;
-    if (!step.event->is_of_node()) continue;
-    const std::uint32_t k = step.event->index;
-    const Vector6 own = state_of(dps.col(j), dvs.col(j), k);
-    Vector6 after = jump.by_state * own + jump.by_time * event_time_changes[j];
-    if (learned.has_friction())
-      after += jump.by_friction * learned.friction_changes(changes.col(j))[step.event->surface];
-    put_state(dps.col(j), dvs.col(j), k, after);
-  }
+  event_forwards(step, columns, start);
 }
 
 // ---- backwards ------------------------------------------------------------------------------------------------------
 
 void MotionDerivatives::Impl::part_backwards(const Step& step) {
   if (step.event == nullptr && !step.starts_at_event) return step_backwards(step);
-  if (step.event != nullptr) event_backwards(step);
-  if (!step.is_instant) return step_backwards(step);
+  learning::StartGradient by_start;
+  if (step.event != nullptr) by_start = event_backwards(step);
+  if (!step.is_instant) {
+    step_backwards(step);
+    if (step.event == nullptr || !step.event->is_of_node()) return;
+    add_to_node(dp, step.event->index, by_start.by_position);
+    add_to_node(dv, step.event->index, by_start.by_velocity);
+    if (step.starts_at_event) by_event_time += by_start.by_time;
+    return;
+  }
   if (pending.size() > 0 && step.event == nullptr) start_backwards(step.until, step.number, pending_until);
   set_for_step(step.number);
   const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
   const VectorXd a = accelerations(of, evaluation(step.from));
   by_event_time = -dp.dot(step.from.v) - dv.dot(a);
   if (internal.any()) by_event_time -= internal.all_weights().dot(rates_in_instant(step, a));
-}
-
-// To derivatives by the end of the part as the event found it, from those by what the event left, and by its time.
-void MotionDerivatives::Impl::event_backwards(const Step& step) {
-  set_for_step(step.number);
-  double by_event = by_event_time;
-  if (step.event->is_of_node()) {
-    const NodeJump jump = jump_of(step);
-    const Vector6 weights_of_node = state_of(dp, dv, step.event->index);
-    by_event += jump.by_time.dot(weights_of_node);
-    if (learned.has_friction())
-      learned.add_gradient(learned.friction_gradient(step.event->surface, jump.by_friction.dot(weights_of_node)));
-    put_state(dp, dv, step.event->index, jump.by_state.transpose() * weights_of_node);
-  }
-  const VectorXd sums = learned.cotangent(VectorXd::Zero(size()));  // which the way forwards overwrites
-  dps.setZero(size(), 1);
-  dvs.setZero(size(), 1);
-  changes.setZero(static_cast<Index>(learned.count()), 1);
-  internal.begin_changes(1);
-  start_time_changes.setZero(1);
-  end_time_changes.setOnes(1);
-  if (step.is_instant)
-    pass_instant(step);
-  else
-    step_forwards(step);
-  start_time_changes.resize(0);
-  end_time_changes.resize(0);
-  learned.begin_cotangent();
-  learned.add_gradient(sums);
-  const VectorXd p = dps.col(0), v = dvs.col(0), z = internal.change(0);
-  const EventCondition condition = condition_of(step);
-  const double rate = rate_of(step, condition, p, v, z);
-  by_event += p.dot(dp) + v.dot(dv) + z.dot(internal.all_weights());
-  const double share = -by_event / rate;
-  dp += share * condition.by_position;
-  dv += share * condition.by_velocity;
-  internal.all_weights() += share * condition.by_internal;
-  if (condition.by_values.size() > 0) learned.add_gradient(share * condition.by_values);
-  if (condition.by_acceleration.size() > 0) {
-    weights = share * condition.by_acceleration;
-    const springnet_evaluation end = evaluation(step.until);
-    host.linearise(end);
-    learned.add_cotangent(engine, host, end, weights.data());
-  }
 }
 
 }  // namespace springnet

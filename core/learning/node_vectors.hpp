@@ -22,6 +22,12 @@ inline void put_node(Eigen::Ref<Eigen::VectorXd> to, std::uint32_t node, const V
 inline void add_to_node(Eigen::Ref<Eigen::VectorXd> to, std::uint32_t node, const Vector3& change) {
   put_node(to, node, node_of(to, node) + change);
 }
+// Position and velocity of a node.
+inline void put_state(Eigen::Ref<Eigen::VectorXd> p, Eigen::Ref<Eigen::VectorXd> v, std::uint32_t node,
+                      const Vector3& position, const Vector3& velocity) {
+  put_node(p, node, position);
+  put_node(v, node, velocity);
+}
 // Places in such a vector of nodes whose motion is given.
 inline void find_pinned(const springnet_network& network, std::vector<Eigen::Index>& places) {
   places.clear();

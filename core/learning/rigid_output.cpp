@@ -66,8 +66,10 @@ class Cluster {
     by_mobility.bottomRows(size_) =
         own.solve(by_free * of_mobility(rows.g.transpose() * x) + by_place * corrected.by_mobility);
     by_mobility.topRows(size_) = given_.w * by_start * by_mobility.bottomRows(size_) + corrected.by_mobility;
-    VectorXd by_length = result.leftCols(size_) * ((1.0 - given_.theta) * given_.v + given_.theta * ends);
-    return ClusterDerivative{std::move(result), std::move(by_mobility), std::move(by_length)};
+    const VectorXd by_length = result.leftCols(size_) * ((1.0 - given_.theta) * given_.v + given_.theta * ends);
+    MatrixXd by_times(2 * size_, 2);
+    by_times << -by_length, by_length;
+    return ClusterDerivative{std::move(result), std::move(by_mobility), std::move(by_times)};
   }
 
  private:
@@ -80,7 +82,7 @@ class Cluster {
   [[nodiscard]] Rows rows_at(const VectorXd& place) const {
     Rows result{MatrixXd::Zero(rods_, size_), VectorXd(rods_), {}, {}};
     for (Index r = 0; r < rods_; ++r) {
-      const ClusterOverStep::Rod& rod = given_.rods[static_cast<std::size_t>(r)];
+      const ClusterRod& rod = given_.rods[static_cast<std::size_t>(r)];
       const Vector3d way = place.segment<3>(3 * rod.first) - place.segment<3>(3 * rod.second);
       result.lengths[r] = way.norm();
       result.directions.emplace_back(way / way.norm());
@@ -99,7 +101,7 @@ class Cluster {
   [[nodiscard]] MatrixXd stiffness(const Rows& rows, const VectorXd& x) const {
     MatrixXd result = MatrixXd::Zero(size_, size_);
     for (Index r = 0; r < rods_; ++r) {
-      const ClusterOverStep::Rod& rod = given_.rods[static_cast<std::size_t>(r)];
+      const ClusterRod& rod = given_.rods[static_cast<std::size_t>(r)];
       const Matrix3d block = x[r] * turn(rows, r);
       result.block<3, 3>(3 * rod.first, 3 * rod.first) += block;
       result.block<3, 3>(3 * rod.second, 3 * rod.second) += block;
@@ -112,7 +114,7 @@ class Cluster {
   [[nodiscard]] MatrixXd turns(const Rows& rows, const VectorXd& q) const {
     MatrixXd result = MatrixXd::Zero(rods_, size_);
     for (Index r = 0; r < rods_; ++r) {
-      const ClusterOverStep::Rod& rod = given_.rods[static_cast<std::size_t>(r)];
+      const ClusterRod& rod = given_.rods[static_cast<std::size_t>(r)];
       const Vector3d difference = q.segment<3>(3 * rod.first) - q.segment<3>(3 * rod.second);
       const Eigen::RowVector3d row = difference.transpose() * turn(rows, r);
       result.block<1, 3>(r, 3 * rod.first) += row;

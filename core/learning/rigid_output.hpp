@@ -10,16 +10,13 @@
 #include <Eigen/Core>
 
 #include "constraints/rigid.hpp"
+#include "learning/rod_lengths.hpp"
 
 namespace springnet::learning {
 
 struct ClusterOverStep {
   std::vector<std::uint32_t> nodes;  // the engine's numbers
-  struct Rod {
-    Eigen::Index first, second;  // places in `nodes`
-    double length;               // m
-  };
-  std::vector<Rod> rods;
+  std::vector<ClusterRod> rods;
   Eigen::VectorXd mobility;  // [node] 1/kg; 0: its motion is given
   double w, c;               // s, of a step: theta h, (1 - theta) h
   double theta;
@@ -30,7 +27,7 @@ struct ClusterOverStep {
 struct ClusterDerivative {
   Eigen::MatrixXd by_state;     // of (P, U) by (p, v, V), [6 node][9 node]
   Eigen::MatrixXd by_mobility;  // by the mobilities, [6 node][node]
-  Eigen::VectorXd by_length;    // by the length of the step, [6 node]
+  Eigen::MatrixXd by_times;     // by the times of start and end, [6 node][2]; empty: not known
 };
 // None if the formulas do not give (P, U).
 [[nodiscard]] std::optional<ClusterDerivative> output_derivative(const ClusterOverStep& cluster);

@@ -221,13 +221,9 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
               own.empty() ? "" : ", with contact of node " + std::to_string(model.user_number(own.front().node))));
     // dW = -dm / m^2.
     for (Index i = 0; i < size; ++i) derivative->by_mobility.col(i) *= -cluster.mobility[i] * cluster.mobility[i];
-    Eigen::MatrixXd by_times;
-    if (!moves && derivative->by_length.size() > 0) {
-      by_times.resize(derivative->by_length.size(), 2);
-      by_times << -derivative->by_length, derivative->by_length;
-    }
+    if (moves) derivative->by_times.resize(0, 0);
     outputs.add(std::move(cluster.nodes), std::move(derivative->by_state), std::move(derivative->by_mobility),
-                std::move(by_times));
+                std::move(derivative->by_times));
   }
 }
 

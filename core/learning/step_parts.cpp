@@ -1,6 +1,8 @@
 #include "learning/step_parts.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "constraints/vectors.hpp"
@@ -94,7 +96,11 @@ void PartRecorder::fires(Engine& engine, double, const State& state, const std::
   for (const std::uint32_t element : breaking.elements)
     if (*next++ != 0) add_rupture(EventKind::element_rupture, element);
   slips_.assign(within_.empty() ? 0 : model.node_count(), Vector3::Zero());
-  for (const auto& [node, touch] : within_) slips_[node] = model.contact.slip(node);
+  braced_.clear();
+  for (const auto& [node, touch] : within_) {
+    slips_[node] = model.contact.slip(node);
+    if (model.contact.braced(node)) braced_.push_back(node);
+  }
 }
 
 std::map<std::uint32_t, PartRecorder::Outcome> PartRecorder::outcomes(const Engine& engine) const {
@@ -113,27 +119,68 @@ std::map<std::uint32_t, PartRecorder::Outcome> PartRecorder::outcomes(const Engi
   return result;
 }
 
-// A touch may have others of these as its consequence, and a release that of friction.
-void PartRecorder::add_events_of_nodes(Engine& engine, StepPart& part) {
+NodeChange PartRecorder::change_of(const Engine& engine, std::uint32_t node) const {
   const Model& model = engine.model();
   const springnet_state& now = model.state.view;
+  NodeChange result;
+  result.node = node;
+  result.before = touch_of(within_, node);
+  result.after = model.contact.committed(node);
+  result.p = node_of(p_, node);
+  result.v = node_of(v_, node);
+  result.next_p = vector_at(now.position, node);
+  result.next_v = vector_at(now.velocity, node);
+  if (!slips_.empty()) result.slip = slips_[node];
+  result.braced = model.contact.braced(node) || std::binary_search(braced_.begin(), braced_.end(), node);
+  return result;
+}
+
+// Whatever else happens to nodes of the cluster follows from the event of one of them.
+void PartRecorder::add_event_of_cluster(const Engine& engine, std::size_t cluster,
+                                        const std::map<std::uint32_t, Outcome>& all, StepPart& part) const {
+  const std::vector<std::uint32_t>& nodes = engine.model().rigid.nodes_of(cluster);
+  const auto is_own = [&](std::uint32_t node) { return std::binary_search(nodes.begin(), nodes.end(), node); };
+  std::vector<LocatedEvent> causes;
+  std::copy_if(by_sources_.begin(), by_sources_.end(), std::back_inserter(causes),
+               [&](const LocatedEvent& each) { return is_own(each.index); });
+  for (const auto& [node, own] : all) {
+    if (!is_own(node)) continue;
+    if (causes.empty() && own.touched.empty()) causes.push_back({EventKind::several, node});
+    for (const std::int32_t surface : own.touched) {  // within the contact tolerance perhaps, which no source tells
+      const auto known = std::find_if(causes.begin(), causes.end(), [&](const LocatedEvent& each) {
+        return each.kind == EventKind::touch && each.index == node && each.surface == surface;
+      });
+      if (known == causes.end()) causes.push_back({EventKind::touch, node, surface});
+    }
+  }
+  LocatedEvent event = causes.front();
+  if (causes.size() > 1) event.kind = EventKind::several;
+  for (const std::uint32_t node : nodes) event.cluster.push_back(change_of(engine, node));
+  event.own = change_of(engine, event.index);
+  if (event.surface < 0) event.surface = std::max(event.own.before.surface, event.own.after.surface);
+  part.events.push_back(std::move(event));
+}
+
+// A touch may have others of these as its consequence, and a release that of friction.
+void PartRecorder::add_events_of_nodes(Engine& engine, StepPart& part) {
   const std::map<std::uint32_t, Outcome> all = outcomes(engine);
+  const std::uint32_t* const cluster_of = engine.model().rigid.cluster_of();
+  std::set<std::uint32_t> clusters;
+  const auto is_alone = [&](std::uint32_t node) {
+    if (cluster_of == nullptr || cluster_of[node] == 0xffffffffu) return true;
+    clusters.insert(cluster_of[node]);
+    return false;
+  };
   const auto add = [&](EventKind kind, std::uint32_t node, std::int32_t surface) {
     LocatedEvent event;
     event.kind = kind;
     event.index = node;
     event.surface = surface;
-    event.before = touch_of(within_, node);
-    event.after = model.contact.committed(node);
-    event.p = node_of(p_, node);
-    event.v = node_of(v_, node);
-    event.next_p = vector_at(now.position, node);
-    event.next_v = vector_at(now.velocity, node);
-    if (!slips_.empty()) event.slip = slips_[node];
-    part.events.push_back(event);
+    event.own = change_of(engine, node);
+    part.events.push_back(std::move(event));
   };
   for (const auto& [node, own] : all) {
-    const Touch before = touch_of(within_, node);
+    if (!is_alone(node)) continue;
     if (!own.touched.empty()) {
       add(own.touched.size() > 1 ? EventKind::several : EventKind::touch, node, own.touched.front());
     } else if (!own.released.empty()) {
@@ -143,15 +190,16 @@ void PartRecorder::add_events_of_nodes(Engine& engine, StepPart& part) {
       add(own.released.size() > 1 ? EventKind::several : EventKind::release, node,
           fired == by_sources_.end() ? own.released.front() : fired->surface);
     } else if (own.slipped || own.stuck) {
-      add(own.slipped ? EventKind::slip : EventKind::rest, node, before.surface);
+      add(own.slipped ? EventKind::slip : EventKind::rest, node, touch_of(within_, node).surface);
     }
   }
   // Those without a consequence for the contact divide the step, too.
   for (std::size_t i = 0; i < by_sources_.size(); ++i) {
     const LocatedEvent& own = by_sources_[i];
-    if (all.find(own.index) == all.end() && (i == 0 || by_sources_[i - 1].index != own.index))
+    if (is_alone(own.index) && all.find(own.index) == all.end() && (i == 0 || by_sources_[i - 1].index != own.index))
       add(own.kind, own.index, own.surface);
   }
+  for (const std::uint32_t cluster : clusters) add_event_of_cluster(engine, cluster, all, part);
 }
 
 void PartRecorder::committed(Engine& engine, bool decided) {

@@ -19,9 +19,20 @@
 
 namespace springnet::learning {
 
+// What an event makes of a node: its contact, position (m) and velocity (m/s) before and after, and the direction of
+// its slip before.
+struct NodeChange {
+  std::uint32_t node = 0;  // the engine's
+  Touch before{}, after{};
+  Vector3 p = Vector3::Zero(), v = Vector3::Zero(), next_p = Vector3::Zero(), next_v = Vector3::Zero();
+  Vector3 slip = Vector3::Zero();
+  bool braced = false;  // before or after, see Contact::braced()
+};
+
 // What determines the time at which a part ends.
 struct LocatedEvent {
-  // rest: of a slip. slow, quick, stall, seam: see ContactEvents::Source. several: of one node, at the same time.
+  // rest: of a slip. slow, quick, stall, seam: see ContactEvents::Source. several: of one node, or of nodes
+  // that are rigidly connected, at the same time.
   enum class Kind : std::uint8_t {
     touch,
     release,
@@ -38,10 +49,16 @@ struct LocatedEvent {
   Kind kind = Kind::touch;
   std::uint32_t index = 0;    // the engine's node, or the spring or element
   std::int32_t surface = -1;  // of a node
-  // Of a node: its contact, position (m) and velocity (m/s) before and after, and the direction of its slip before.
-  Touch before{}, after{};
-  Vector3 p = Vector3::Zero(), v = Vector3::Zero(), next_p = Vector3::Zero(), next_v = Vector3::Zero();
-  Vector3 slip = Vector3::Zero();
+  // Of a node: what it makes of that, and if it is rigidly connected of all nodes of its cluster, ascending.
+  NodeChange own{};
+  std::vector<NodeChange> cluster{};
+  // use(change): of each node that it changes.
+  template <class Use>
+  void for_each_node(const Use& use) const {
+    if (!is_of_node()) return;
+    if (cluster.empty()) use(own);
+    for (const NodeChange& each : cluster) use(each);
+  }
   [[nodiscard]] bool is_of_node() const noexcept { return kind < Kind::spring_rupture; }
 };
 
@@ -82,6 +99,10 @@ class PartRecorder final : public StepWatch {
   };
   [[nodiscard]] std::map<std::uint32_t, Outcome> outcomes(const Engine& engine) const;
   void add_events_of_nodes(Engine& engine, StepPart& part);
+  [[nodiscard]] NodeChange change_of(const Engine& engine, std::uint32_t node) const;
+  // Of all nodes that are rigidly connected.
+  void add_event_of_cluster(const Engine& engine, std::size_t cluster, const std::map<std::uint32_t, Outcome>& all,
+                            StepPart& part) const;
 
   bool divides_;
   std::function<void(const Committed&)> told_;
@@ -95,6 +116,7 @@ class PartRecorder final : public StepWatch {
   Touches within_;
   Eigen::VectorXd p_, v_;  // as the events found them
   std::vector<Vector3> slips_;
+  std::vector<std::uint32_t> braced_;  // nodes, ascending
 };
 
 }  // namespace springnet::learning

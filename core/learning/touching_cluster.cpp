@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <springnet/sdk/host.hpp>
 
-#include "constraints/least_squares.hpp"
 #include "constraints/vectors.hpp"
 #include "learning/at_scope_end.hpp"
+#include "learning/rod_lengths.hpp"
+#include "learning/settled_difference.hpp"
 
 namespace springnet::learning {
 
@@ -22,11 +22,8 @@ using Eigen::VectorXd;
 // The sweep settles to 1e-13 of the connections' length: differences over steps of this share of it are good to some
 // 1e-8.
 constexpr double step_share = 2e-5;
-// Steps are divided by this as long as contacts change within them, or a rebound begins: half of the step has another
-// derivative then.
-constexpr double finer = 4.0;
-constexpr int most_finer = 5;
-constexpr double same = 1e-6;
+// A time in which all moves by that, or at most this share of a step that is short.
+constexpr double part_of_step = 0.1;
 
 class Sweep {
  public:
@@ -37,15 +34,21 @@ class Sweep {
   }
 
   struct Input {
-    VectorXd p, v, free, mobility, length;  // length: one number, s, of the step
+    VectorXd p, v, free, mobility;
+    double from = 0.0, until = 0.0;  // s, by how much later the step begins and ends
   };
   struct Output {
     VectorXd both;  // (P, U)
     std::vector<Touch> touches;
   };
   [[nodiscard]] std::optional<Output> operator()(const std::vector<std::uint32_t>& nodes, const Input& input) {
-    begin(nodes, input);
-    const double h = input.length[0];
+    const Contact& contact = model_.contact;
+    const double h = step_.h + input.until - input.from;
+    const std::shared_ptr<const Placement> start =
+        input.from == 0.0 ? start_ : contact.at(just_after(until_ - step_.h + input.from));
+    const std::shared_ptr<const Placement> other_end =
+        input.until == 0.0 ? nullptr : contact.at(just_before(until_ + input.until, h));
+    begin(nodes, input, start);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const auto at = static_cast<Index>(3 * i);
       const Vector3 p = input.p.segment<3>(at), v = input.v.segment<3>(at), free = input.free.segment<3>(at);
@@ -55,7 +58,7 @@ class Sweep {
       put(3, nodes[i], free);
     }
     auto sweep = sdk::sized<springnet_sweep>();
-    sweep.time = until_;
+    sweep.time = until_ + input.until;
     sweep.start_position = read_only(vectors(0));
     sweep.start_velocity = read_only(vectors(1));
     sweep.next_position = vectors(2);
@@ -71,7 +74,8 @@ class Sweep {
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (const double w = input.mobility[static_cast<Index>(i)]; w > 0.0) model_.mass[nodes[i]] = 1.0 / w;
     springnet_message message{};
-    if (model_.rigid.constrain(step_.end, cluster_, sweep, message) != SPRINGNET_OK) return std::nullopt;
+    if (model_.rigid.constrain(other_end ? *other_end : step_.end, cluster_, sweep, message) != SPRINGNET_OK)
+      return std::nullopt;
     Output output;
     output.both.resize(static_cast<Index>(6 * nodes.size()));
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -84,7 +88,8 @@ class Sweep {
 
  private:
   // Contacts as they were committed at the start.
-  void begin(const std::vector<std::uint32_t>& nodes, const Input& input) {
+  void begin(const std::vector<std::uint32_t>& nodes, const Input& input,
+             const std::shared_ptr<const Placement>& start) {
     Contact& contact = model_.contact;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const std::uint32_t k = nodes[i];
@@ -94,11 +99,11 @@ class Sweep {
       contact.touch(k, before, Vector3::Zero());
       if (before.surface < 0 || !before.slides) continue;
       const auto at = static_cast<Index>(3 * i);
-      const Vector3 slip = contact.slip_vector(*start_, k, static_cast<std::size_t>(before.surface),
+      const Vector3 slip = contact.slip_vector(*start, k, static_cast<std::size_t>(before.surface),
                                                input.p.segment<3>(at), input.v.segment<3>(at));
       contact.set_slip(k, slip.norm() > 0.0 ? Vector3(slip.normalized()) : Vector3(Vector3::Zero()));
     }
-    contact.begin_step(start_);
+    contact.begin_step(start);
   }
   void put(std::size_t array, std::uint32_t node, const Vector3& value) { put_vector(vectors(array), node, value); }
   [[nodiscard]] springnet_vectors vectors(std::size_t array) {
@@ -116,30 +121,6 @@ class Sweep {
   std::vector<double> arrays_[4];
 };
 
-// The nearest positions with the rods' lengths. Those that stick are carried as they are: with other lengths no step
-// would begin.
-VectorXd with_lengths(const ClusterOverStep& cluster, VectorXd place) {
-  const auto rods = static_cast<Index>(cluster.rods.size());
-  constexpr int most = 10;
-  double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < most; ++i) {
-    MatrixXd rows = MatrixXd::Zero(rods, place.size());
-    VectorXd gap(rods);
-    for (Index r = 0; r < rods; ++r) {
-      const ClusterOverStep::Rod& rod = cluster.rods[static_cast<std::size_t>(r)];
-      const Vector3 way = place.segment<3>(3 * rod.first) - place.segment<3>(3 * rod.second);
-      gap[r] = way.norm() - rod.length;
-      for (const auto& [node, sign] : {std::pair(rod.first, 1.0), std::pair(rod.second, -1.0)})
-        if (cluster.mobility[node] > 0.0) rows.block<1, 3>(r, 3 * node) = sign * way.normalized().transpose();
-    }
-    const double worst = gap.cwiseAbs().maxCoeff();
-    if (worst >= 0.5 * last) break;  // only rounding is left
-    last = worst;
-    place -= least_squares(rows, gap);
-  }
-  return place;
-}
-
 }  // namespace
 
 std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cluster,
@@ -148,7 +129,7 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
                                                     const std::vector<StepContact>& contacts,
                                                     const ClusterOverStep& given) {
   Sweep sweep(model, cluster, start, step, until, contacts);
-  const Sweep::Input input{given.p, given.v, given.free, given.mobility, VectorXd::Constant(1, step.h)};
+  const Sweep::Input input{given.p, given.v, given.free, given.mobility};
   const std::optional<Sweep::Output> base = sweep(given.nodes, input);
   const Index size = given.p.size(), nodes = given.mobility.size();
   // As where there are no surfaces: steps have settled to the tolerance of the integrator only.
@@ -158,53 +139,45 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
       !((base->both.head(size) - given.P).norm() <= tolerance * step.h * speed + rounding * given.P.norm()))
     return std::nullopt;
   double length = 0.0;
-  for (const ClusterOverStep::Rod& rod : given.rods) length = std::max(length, rod.length);
+  for (const ClusterRod& rod : given.rods) length = std::max(length, rod.length);
 
-  // By one number of the input.
-  const auto difference = [&](VectorXd Sweep::Input::*part, Index place, double h) -> std::optional<VectorXd> {
-    VectorXd ends[2];
-    for (const int side : {0, 1}) {
+  // change(input, h): moves it along what the column is by.
+  const auto fill = [&](const auto& change, double h, double typical, auto&& column) {
+    const auto at = [&](double way) -> std::optional<VectorXd> {
       Sweep::Input other = input;
-      (other.*part)[place] += side == 0 ? h : -h;
-      if (part == &Sweep::Input::p) other.p = with_lengths(given, std::move(other.p));
+      change(other, way);
       std::optional<Sweep::Output> found = sweep(given.nodes, other);
       if (!found || found->touches != base->touches) return std::nullopt;
-      ends[side] = std::move(found->both);
-    }
-    return (ends[0] - ends[1]) / (2.0 * h);
-  };
-  // typical: size of such derivatives; those that are much smaller are rounding.
-  const auto fill = [&](VectorXd Sweep::Input::*part, Index place, double h, double typical, auto&& column) {
-    std::optional<VectorXd> found = difference(part, place, h);
-    for (int i = 0; i < most_finer; ++i) {
-      std::optional<VectorXd> next = difference(part, place, h /= finer);
-      if (found && next && (*found - *next).norm() <= same * std::max(typical, found->norm())) {
-        column = *found;
-        return true;
-      }
-      found = std::move(next);
-    }
-    return false;
+      return std::move(found->both);
+    };
+    const std::optional<VectorXd> found = settled_difference(at, h, typical);
+    if (found) column = *found;
+    return found.has_value();
   };
   ClusterDerivative result{MatrixXd::Zero(2 * size, 3 * size), MatrixXd::Zero(2 * size, nodes), {}};
-  const double way = step_share * length, rate = way / step.h;
+  const double way = step_share * length;
+  const double rate = speed > 0.0 ? std::min(way / step.h, step_share * speed) : way / step.h;
+  const double time = std::min(part_of_step * step.h, way / std::max(speed, way / step.h));  // s
   for (Index k = 0; k < size; ++k) {
     if (!(given.mobility[k / 3] > 0.0)) continue;  // nothing of nodes whose motion is given changes
-    if (!fill(&Sweep::Input::p, k, way, 1.0, result.by_state.col(k)) ||
-        !fill(&Sweep::Input::v, k, rate, 1.0, result.by_state.col(size + k)) ||
-        !fill(&Sweep::Input::free, k, rate, 1.0, result.by_state.col(2 * size + k)))
+    const auto place = [&](Sweep::Input& to, double h) {
+      to.p[k] += h;
+      to.p = with_lengths(given.rods, given.mobility, std::move(to.p));
+    };
+    if (!fill(place, way, 1.0, result.by_state.col(k)) ||
+        !fill([k](Sweep::Input& to, double h) { to.v[k] += h; }, rate, 1.0, result.by_state.col(size + k)) ||
+        !fill([k](Sweep::Input& to, double h) { to.free[k] += h; }, rate, 1.0, result.by_state.col(2 * size + k)))
       return std::nullopt;
   }
   for (Index i = 0; i < nodes; ++i)
     if (const double own = given.mobility[i];
-        own > 0.0 && !fill(&Sweep::Input::mobility, i, step_share * own, speed / own, result.by_mobility.col(i)))
+        own > 0.0 && !fill([i](Sweep::Input& to, double h) { to.mobility[i] += h; }, step_share * own, speed / own,
+                           result.by_mobility.col(i)))
       return std::nullopt;
-  // Where surfaces move they would be elsewhere at the end of a longer step.
-  const std::vector<Obstacle>& surfaces = model.contact.obstacles();
-  if (std::none_of(surfaces.begin(), surfaces.end(), [](const Obstacle& each) { return each.moves(); })) {
-    result.by_length.setZero(2 * size);
-    if (!fill(&Sweep::Input::length, 0, step_share * step.h, speed, result.by_length)) result.by_length.resize(0);
-  }
+  result.by_times.setZero(2 * size, 2);
+  if (!fill([](Sweep::Input& to, double h) { to.from += h; }, time, speed, result.by_times.col(0)) ||
+      !fill([](Sweep::Input& to, double h) { to.until += h; }, time, speed, result.by_times.col(1)))
+    result.by_times.resize(0, 0);
   return result;
 }
 

@@ -41,6 +41,8 @@ class ContactEvents {
   [[nodiscard]] std::size_t count() { return sources().size() + topology_.rupturing_count(); }
   // Values and directions of all of them, as in springnet_host::event_values.
   springnet_status values(const springnet_evaluation& at, double* values, std::int32_t* directions);
+  // That of one event of a contact.
+  springnet_status value(const Source& source, ReactionsAt& reactions, double& value) const;
   // What they are, as in springnet_event_values; null: not wanted.
   void names(std::uint32_t* kinds, std::uint32_t* who, std::uint32_t* surfaces);
   // Carries out the events marked in `fired`, and touches within the contact tolerance; then evaluates the forces of
@@ -50,8 +52,6 @@ class ContactEvents {
  private:
   using Kind = Source::Kind;
   void add_sources_of(std::uint32_t node, double tolerance, const Placement& now);
-  // The value of an event of a contact.
-  springnet_status value(const Source& source, ReactionsAt& reactions, double& value) const;
   // Of a braced node: acceleration of its gap if it had no contact, m/s^2.
   springnet_status separating_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const Source& slip) const;      // N

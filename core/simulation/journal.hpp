@@ -1,6 +1,8 @@
 // What a run reports besides its motion: events, notes, numbers, and reasons of failures.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <map>
 #include <mutex>
 #include <string>
@@ -29,6 +31,8 @@ class Journal {
   // Events, notes and numbers.
   void archive(Archive& archive);
   void record(const Event& event) { events_.push_back(event); }
+  // Those recorded after the first ones, `count` in number.
+  void forget_events(std::size_t count) { events_.resize(std::min(count, events_.size())); }
   // Notes are kept once each, and the first one on a topic (empty: none). Beyond a few hundred, notes and numbers are
   // dropped: an integrator that reports something new in every step must not fill the memory.
   void note(const std::string& text, const std::string& topic = {});

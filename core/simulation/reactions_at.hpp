@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "layers/elements/enclosure_volumes.hpp"
@@ -31,6 +32,11 @@ class ReactionsAt {
       : ReactionsAt(model, time, position, velocity, model.state.internal) {}
   // Evaluates nodes, in ascending order, at once: what is asked of them then costs less.
   springnet_status prepare(std::vector<std::uint32_t> nodes);
+  // In place of it: accelerations of these nodes without obstacles and rigid connections, m/s^2.
+  void give(std::vector<std::uint32_t> nodes, std::vector<Vector3> accelerations) {
+    prepared_ = std::move(nodes);
+    prepared_acceleration_ = std::move(accelerations);
+  }
   // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
   // The same without the bracing of sticking nodes against each other.
