@@ -49,4 +49,9 @@ struct ContactResponse {
 [[nodiscard]] ContactResponse solve_contact(const Eigen::Matrix3d& mobility, const Vector3& relative, const Vector3& n,
                                             const Friction& friction, double more = 0.0);
 
+// Replaces `held` friction by this coefficient.
+[[nodiscard]] inline Friction capped(const Friction& friction, double coefficient) {
+  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, coefficient} : friction;
+}
+
 }  // namespace springnet

@@ -18,22 +18,8 @@ constexpr int max_pivots = 200;          // of the active set by pivoting
 constexpr std::size_t max_stored = 64;   // bits of an active set that is stored
 constexpr std::size_t max_pivoted = 24;  // bits of an active set of impulses that is pivoted first
 constexpr int max_bits = 12;             // of an active set that is found by enumeration
-constexpr int max_directions = 200;      // iterations for directions of beginning slip
 constexpr double singular = 1e-9;        // in units of the greatest pivot
 constexpr int rounds_per_check = Island::max_rounds / 10;
-constexpr int max_guesses = 20;  // of them, fixed-point iterations along the acceleration
-
-std::vector<Vector3> active_normals(const ContactNode& node) {
-  std::vector<Vector3> normals;
-  for (const ContactSide& side : node.sides)
-    if (side.active) normals.push_back(side.normal);
-  return normals;
-}
-
-// Replaces `held` friction by this coefficient.
-Friction capped(const Friction& friction, double coefficient) {
-  return friction.kind == Friction::Kind::held ? Friction{Friction::Kind::coulomb, coefficient} : friction;
-}
 
 // Holding surfaces only: Coulomb friction would need a normal force comparable to the tangential one.
 bool can_brace(const ContactNode& node) {
@@ -43,13 +29,6 @@ bool can_brace(const ContactNode& node) {
 // Bodies between surfaces can wedge by friction, however small the coefficient.
 bool can_wedge(const ContactNode& node) {
   return node.sticks && node.sides.size() == 1 && coefficient_of(node.sides[0].friction) > 0.0;
-}
-
-double slip_friction(const ContactNode& node) {
-  double sum = 0.0;
-  for (std::size_t s = 0; s < node.sides.size(); ++s)
-    if (node.sides[s].active) sum += sliding_coefficient_of(node.sides[s].friction);
-  return sum;
 }
 
 }  // namespace
@@ -141,99 +120,6 @@ Vector3 Island::acceleration(std::size_t node) const {
   Vector3 sum = nodes_[node].acceleration;
   for (std::size_t i = 0; i < nodes_.size(); ++i) sum += block(node, i) * nodes_[i].force;
   return sum;
-}
-
-std::optional<Island::Alone> Island::alone(std::size_t i) const {
-  const ContactNode& node = nodes_[i];
-  const ContactSide* touched = nullptr;
-  for (const ContactSide& side : node.sides) {
-    if (!side.active) continue;
-    if (touched != nullptr) return std::nullopt;
-    touched = &side;
-  }
-  if (touched == nullptr) return std::nullopt;
-  const Vector3& n = touched->normal;
-  const Matrix3 mobility = block(i, i);
-  const Vector3 other = acceleration(i) - mobility * node.force;
-  Vector3 relative = other - touched->surface_acceleration;
-  relative += n * (n.dot(other) - touched->target_acceleration - n.dot(relative));
-  return Alone{*touched, mobility, relative};
-}
-
-// The direction of slip which the force that would hold a node on a single surface opposes, with the forces of all
-// other nodes kept. Friction along it stops the slip, and then reverses it.
-std::optional<Vector3> Island::held_against(std::size_t i) const {
-  const std::optional<Alone> own = alone(i);
-  if (!own) return std::nullopt;
-  const Vector3& n = own->side.normal;
-  const Vector3 against = own->mobility.ldlt().solve(own->relative), slip = against - n * n.dot(against);
-  if (slip.isZero(0.0)) return std::nullopt;
-  return slip.normalized();
-}
-
-// The direction in which a node on a single surface begins to slip, with the forces of all other nodes kept; empty if
-// it does not slip.
-std::optional<Vector3> Island::slip_of(std::size_t i) const {
-  const std::optional<Alone> own = alone(i);
-  if (!own) return std::nullopt;
-  const Vector3& n = own->side.normal;
-  const ContactResponse answer =
-      solve_contact(own->mobility, own->relative, n, capped(own->side.friction, friction_of_held));
-  const Vector3 sliding = answer.velocity - n * n.dot(answer.velocity);
-  if (answer.sticks || !(answer.normal > 0.0) || sliding.isZero(0.0)) return std::nullopt;
-  return sliding.normalized();
-}
-
-// Beginning slip is parallel to the sliding acceleration. Friction opposes it, and with an anisotropic effective mass
-// turns the acceleration, so that the direction is found by iteration.
-void Island::solve(bool keeps_slips) {
-  std::vector<Vector3> kept;
-  if (keeps_slips)
-    for (const ContactNode& node : nodes_) kept.push_back(node.slip);
-  double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
-  for (int iteration = 0; iteration < max_directions; ++iteration) {
-    if (iteration > max_guesses && iteration % max_guesses == 0) {
-      if (turned > 0.5 * turned_before) break;  // it cycles
-      turned_before = turned;
-    }
-    solve_once();
-    turned = 0.0;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      ContactNode& node = nodes_[i];
-      const double friction = slip_friction(node);
-      if (node.sticks || friction == 0.0) continue;
-      if (node.slipping && (!node.slip_starting || friction >= friction_of_held)) continue;
-      const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
-      if (first == node.sides.end()) continue;
-      const Vector3 sliding =
-          project_onto(free_directions(active_normals(node)), acceleration(i) - first->surface_acceleration);
-      const bool against = sliding.dot(node.slip) < 0.0;
-      // At the boundary of the cone the acceleration is too small to have a direction.
-      const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
-      const bool is_small = sliding.norm() <= 1e-6 * scale;
-      if (is_small && !against && !keeps_slips) continue;
-      // Great friction overshoots or reverses the slip through the mobility's coupling of normal and tangential
-      // directions. Then search all directions.
-      std::optional<Vector3> slip;
-      const bool pulls = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
-      if (against || is_small || pulls || iteration >= max_guesses) slip = slip_of(i);
-      if (!slip && (against || is_small)) {  // it would stick
-        if (const std::optional<Vector3> held = keeps_slips ? held_against(i) : std::nullopt;
-            held && held->dot(kept[i]) > 0.0) {
-          turned = std::max(turned, (*held - node.slip).norm());
-          node.slip = *held;
-        }
-        continue;
-      }
-      if (!slip)
-        slip =
-            iteration < max_guesses ? sliding.normalized() : Vector3((sliding.normalized() + node.slip).normalized());
-      turned = std::max(turned, (*slip - node.slip).norm());
-      node.slip = *slip;
-    }
-    directions_fit_ = turned <= 1e-12;
-    if (turned <= 1e-14) return;
-  }
 }
 
 bool Island::relax(double held_coefficient, int rounds, const std::vector<Vector3>& from) {

@@ -141,7 +141,7 @@ class Island {
   };
   [[nodiscard]] std::optional<Alone> alone(std::size_t node) const;
   [[nodiscard]] std::optional<Vector3> slip_of(std::size_t node) const;
-  [[nodiscard]] std::optional<Vector3> held_against(std::size_t node) const;
+  [[nodiscard]] std::optional<Vector3> reversed_slip(std::size_t node) const;
   // Pivots from the present active set, one change at a time; `changed` collects the nodes that change. False: it
   // cycles.
   bool pivot(double negligible, std::set<std::size_t>& changed);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "constraints/friction.hpp"
 #include "constraints/island.hpp"
 
 namespace springnet {
@@ -33,6 +34,21 @@ inline std::vector<Vector3> normals_of(const ContactNode& node) {
   std::vector<Vector3> normals;
   for (const ContactSide& side : node.sides) normals.push_back(side.normal);
   return normals;
+}
+
+inline std::vector<Vector3> active_normals(const ContactNode& node) {
+  std::vector<Vector3> normals;
+  for (const ContactSide& side : node.sides)
+    if (side.active) normals.push_back(side.normal);
+  return normals;
+}
+
+// The friction of all sides that press.
+inline double slip_friction(const ContactNode& node) {
+  double sum = 0.0;
+  for (std::size_t s = 0; s < node.sides.size(); ++s)
+    if (node.sides[s].active) sum += sliding_coefficient_of(node.sides[s].friction);
+  return sum;
 }
 
 // The projection of a vector onto the directions in which a node can slide.

@@ -160,6 +160,8 @@ std::optional<VectorXd> ClusterEvent::value(const Input& input, const VectorXd& 
 
 std::optional<ClusterCondition> ClusterEvent::condition(const VectorXd& accelerations) {
   const VectorXd free = gather(accelerations);
+  const std::optional<VectorXd> here = value(found_, free);
+  if (!here) return std::nullopt;
   // change(input, accelerations, h): moves them along what the number is by.
   const auto by = [&](const auto& change, double h, double typical, double& to) {
     const auto at = [&](double way) {
@@ -168,7 +170,7 @@ std::optional<ClusterCondition> ClusterEvent::condition(const VectorXd& accelera
       change(input, other, way);
       return value(input, other);
     };
-    const std::optional<VectorXd> found = settled_difference(at, h, typical);
+    const std::optional<VectorXd> found = settled_difference(at, *here, h, typical);
     if (found) to = (*found)[0];
     return found.has_value();
   };
@@ -264,7 +266,7 @@ std::optional<EventJump> ClusterEvent::jump() {
       change(input, way);
       return after(input);
     };
-    const std::optional<VectorXd> found = settled_difference(at, h, typical);
+    const std::optional<VectorXd> found = settled_difference(at, *base, h, typical);
     if (found) column = *found;
     return found.has_value();
   };

@@ -230,6 +230,7 @@ struct MotionDerivatives::Impl {
                                const Eigen::VectorXd& v, const Eigen::VectorXd& z) const;
   [[noreturn]] void refuse(const learning::LocatedEvent& event, double time, const std::string& what) const;
   [[noreturn]] void refuse(const Step& step, const std::string& what) const;
+  void check_event_of_cluster(const learning::LocatedEvent& event, double time) const;
   [[noreturn]] void refuse_times(const Step& step, std::uint32_t node) const;
   void start_backwards(const State& at, std::size_t number, double until);
   void set_engines(const Eigen::VectorXd& values);

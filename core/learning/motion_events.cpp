@@ -177,13 +177,6 @@ EventJump MotionDerivatives::Impl::jump_of(const Step& step) {
   const Contact& contact = constraints->engine().model().contact;
   if (!event.cluster.empty()) {
     const bool is_smooth = event.kind != LocatedEvent::Kind::stall && event.kind != LocatedEvent::Kind::several;
-    for (const NodeChange& each : event.cluster)
-      for (const Touch& touch : {each.before, each.after})
-        for (const std::int32_t surface : touch.surfaces())
-          if (surface >= 0 && learned.has_friction_of(surface))
-            refuse(step, ", as the friction of a surface is not learned from rigidly connected nodes");
-    if (learned.has_friction_of(event.surface))
-      refuse(step, ", as the friction of a surface is not learned from rigidly connected nodes");
     std::optional<EventJump> result;
     if (is_smooth) result = with_cluster(step, [](ClusterEvent& cluster) { return cluster.jump(); });
     if (!result) refuse(step, ", with its rigid connections");

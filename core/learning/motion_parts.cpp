@@ -85,20 +85,30 @@ void MotionDerivatives::Impl::refuse_times(const Step& step, std::uint32_t node)
   refuse(step, at_the_same_time);
 }
 
+void MotionDerivatives::Impl::check_event_of_cluster(const LocatedEvent& event, double time) const {
+  if (event.kind == LocatedEvent::Kind::several) refuse(event, time, ", as rigid connections join the nodes");
+  const auto check_friction = [&](std::int32_t surface) {
+    if (surface >= 0 && learned.has_friction_of(surface))
+      refuse(event, time, ", as the friction of a surface is not learned from rigidly connected nodes");
+  };
+  check_friction(event.surface);
+  for (const NodeChange& each : event.cluster) {
+    if (each.braced)
+      refuse(
+          event, time,
+          fmt::format(", as rigid connections brace node {} against surfaces", engine.model().user_number(each.node)));
+    for (const Touch& touch : {each.before, each.after})
+      for (const std::int32_t surface : touch.surfaces()) check_friction(surface);
+  }
+}
+
 // ---- what the steps were, while they are made the first time --------------------------------------------------------
 
 void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed& committed) {
   const StepPart& part = committed.part;
   if (recorder.parts().size() == 1) parts_before.push_back(part_count);
-  for (const LocatedEvent& each : part.events) {
-    for (const NodeChange& of : each.cluster)
-      if (of.braced)
-        refuse(
-            each, part.time,
-            fmt::format(", as rigid connections brace node {} against surfaces", engine.model().user_number(of.node)));
-    if (!each.cluster.empty() && each.kind == LocatedEvent::Kind::several)
-      refuse(each, part.time, ", which rigid connections join");
-  }
+  for (const LocatedEvent& each : part.events)
+    if (!each.cluster.empty()) check_event_of_cluster(each, part.time);
   const std::size_t first = part_count + 1;
   part_count += std::max<std::size_t>(1, part.events.size());
   if (committed.decided) decided.insert(first);
@@ -132,9 +142,18 @@ void MotionDerivatives::Impl::take_part(const learning::PartRecorder::Committed&
                             "differentiated; set events = \"stepwise\"",
                             model.user_number(*node), part.time));
   std::vector<learning::Slipping> slips;
-  for (const auto& [node, touch] : now)
-    if (touch.slides && model.contact.slip_phase(node) != Contact::Slip::ongoing)
-      slips.push_back({node, model.contact.slip(node), model.contact.slip_phase(node)});
+  for (const auto& [node, touch] : now) {
+    const Contact::Slip phase = model.contact.slip_phase(node);
+    if (!touch.slides || phase == Contact::Slip::ongoing) continue;
+    // Accelerations at the start of a step depend on the direction in which it begins, and that on the forces then.
+    const bool has_friction = model.constraints.coefficient(node, static_cast<std::size_t>(touch.surface)) > 0.0;
+    if (phase == Contact::Slip::starting && has_friction && theta < 1.0 && constraints->is_rigid(node) &&
+        !part.events.empty())
+      refuse(part.events.back(), part.time,
+             fmt::format(", as node {}, which is rigidly connected, begins to slip there, and theta is below 1",
+                         model.user_number(node)));
+    slips.push_back({node, model.contact.slip(node), phase});
+  }
   for (std::size_t number = first; number <= part_count; ++number) {
     std::vector<learning::Slipping> own = slips;
     // Of those whose slip ends at the same time only rounding tells the direction of what is left of it.

@@ -9,26 +9,29 @@
 
 namespace springnet::learning {
 
-// The derivative of at(h) by h at 0; where that has a kink, the mean of both sides. Steps, `step` at first, are divided
-// until two differences agree, or two of those that are extrapolated as errors of second or first order (Richardson):
-// part of a step that is too long lies in another branch, where `at` answers none; and friction of small slips is
-// curved. typical: size of such derivatives; those that are much smaller are rounding. None: they do not agree.
+// The derivative of at(h) by h at 0, where it is `base`. Steps, `step` at first, are divided: part of a step that is
+// too long lies in another branch, where `at` answers none, or has another slope on one side; and friction of small
+// slips is curved. Differences are extrapolated as errors of second or first order (Richardson), until two of them
+// agree best, as shorter steps have more rounding. Of a slope that differs on both sides however short the steps, the
+// mean. typical: size of such derivatives; those that are much smaller are rounding. None: they do not agree.
 template <class At>
-[[nodiscard]] std::optional<Eigen::VectorXd> settled_difference(const At& at, double step, double typical) {
-  constexpr double finer = 4.0, same = 1e-6;
+[[nodiscard]] std::optional<Eigen::VectorXd> settled_difference(const At& at, const Eigen::VectorXd& base, double step,
+                                                                double typical) {
+  constexpr double finer = 4.0, same = 1e-6, exact = 1e-8, one_slope = 1e-3;
   constexpr int most_finer = 8;
   using Difference = std::optional<Eigen::VectorXd>;
+  bool is_kinked = false;
   const auto over = [&](double h) -> Difference {
     const Difference after = at(h);
     if (!after) return std::nullopt;
     const Difference before = at(-h);
     if (!before) return std::nullopt;
-    return Eigen::VectorXd((*after - *before) / (2.0 * h));
+    Eigen::VectorXd result = (*after - *before) / (2.0 * h);
+    is_kinked = (*after - 2.0 * base + *before).norm() > one_slope * h * std::max(typical, result.norm());
+    return result;
   };
-  const auto agree = [&](const Difference& one, const Difference& other) {
-    return one && other && (*one - *other).norm() <= same * std::max(typical, one->norm());
-  };
-  Difference last = over(step), last_smooth, last_kinked;
+  Difference last = over(step), last_smooth, last_kinked, best, mean;
+  double least = same;
   for (int i = 0; i < most_finer; ++i) {
     Difference next = over(step /= finer), smooth, kinked;
     if (last && next) {
@@ -36,13 +39,24 @@ template <class At>
       smooth = Eigen::VectorXd(*next + change / (finer * finer - 1.0));
       kinked = Eigen::VectorXd(*next + change / (finer - 1.0));
     }
-    if (agree(next, last) || agree(smooth, last_smooth)) return smooth;
-    if (agree(kinked, last_kinked)) return kinked;
+    const double before = least;
+    const auto compare = [&](const Difference& one, const Difference& other, const Difference& limit) {
+      if (!one || !other) return;
+      const double apart = (*one - *other).norm() / std::max(typical, one->norm());
+      if (apart <= same && is_kinked) mean = limit;
+      if (!(apart <= least) || is_kinked) return;
+      least = apart;
+      best = limit;
+    };
+    compare(next, last, smooth);
+    compare(smooth, last_smooth, smooth);
+    compare(kinked, last_kinked, kinked);
+    if (best && (least <= exact || least == before)) return best;
     last = std::move(next);
     last_smooth = std::move(smooth);
     last_kinked = std::move(kinked);
   }
-  return std::nullopt;
+  return best ? best : mean;
 }
 
 }  // namespace springnet::learning

@@ -44,8 +44,7 @@ class Sweep {
   [[nodiscard]] std::optional<Output> operator()(const std::vector<std::uint32_t>& nodes, const Input& input) {
     const Contact& contact = model_.contact;
     const double h = step_.h + input.until - input.from;
-    const std::shared_ptr<const Placement> start =
-        input.from == 0.0 ? start_ : contact.at(just_after(until_ - step_.h + input.from));
+    const std::shared_ptr<const Placement> start = start_of(input);
     const std::shared_ptr<const Placement> other_end =
         input.until == 0.0 ? nullptr : contact.at(just_before(until_ + input.until, h));
     begin(nodes, input, start);
@@ -84,6 +83,10 @@ class Sweep {
       output.touches.push_back(model_.contact.now(nodes[i]));
     }
     return output;
+  }
+  // Of surfaces where the step begins.
+  [[nodiscard]] std::shared_ptr<const Placement> start_of(const Input& input) const {
+    return input.from == 0.0 ? start_ : model_.contact.at(just_after(until_ - step_.h + input.from));
   }
 
  private:
@@ -150,9 +153,24 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
       if (!found || found->touches != base->touches) return std::nullopt;
       return std::move(found->both);
     };
-    const std::optional<VectorXd> found = settled_difference(at, h, typical);
+    const std::optional<VectorXd> found = settled_difference(at, base->both, h, typical);
     if (found) column = *found;
     return found.has_value();
+  };
+  // With the connections' lengths, and nodes on the surfaces that they touch where the step begins: what is left of a
+  // gap would be closed at its length over that of the step.
+  const auto allow = [&](Sweep::Input& to) {
+    const std::shared_ptr<const Placement> placed = sweep.start_of(to);
+    std::vector<ClusterGap> on;
+    for (const StepContact& each : contacts)
+      for (const std::int32_t surface : each.before.surfaces()) {
+        if (surface < 0) continue;
+        const auto j = static_cast<std::size_t>(surface);
+        const auto node = std::find(given.nodes.begin(), given.nodes.end(), each.node) - given.nodes.begin();
+        on.push_back({node, [&model, placed, j](const Vector3& at) { return model.contact.gap(*placed, j, at); },
+                      [&model, placed, j](const Vector3& at) { return model.contact.normal(*placed, j, at); }});
+      }
+    to.p = with_lengths(given.rods, given.mobility, std::move(to.p), on);
   };
   ClusterDerivative result{MatrixXd::Zero(2 * size, 3 * size), MatrixXd::Zero(2 * size, nodes), {}};
   const double way = step_share * length;
@@ -162,7 +180,7 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
     if (!(given.mobility[k / 3] > 0.0)) continue;  // nothing of nodes whose motion is given changes
     const auto place = [&](Sweep::Input& to, double h) {
       to.p[k] += h;
-      to.p = with_lengths(given.rods, given.mobility, std::move(to.p));
+      allow(to);
     };
     if (!fill(place, way, 1.0, result.by_state.col(k)) ||
         !fill([k](Sweep::Input& to, double h) { to.v[k] += h; }, rate, 1.0, result.by_state.col(size + k)) ||
@@ -175,7 +193,11 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
                            result.by_mobility.col(i)))
       return std::nullopt;
   result.by_times.setZero(2 * size, 2);
-  if (!fill([](Sweep::Input& to, double h) { to.from += h; }, time, speed, result.by_times.col(0)) ||
+  const auto later_start = [&](Sweep::Input& to, double h) {
+    to.from += h;
+    allow(to);
+  };
+  if (!fill(later_start, time, speed, result.by_times.col(0)) ||
       !fill([](Sweep::Input& to, double h) { to.until += h; }, time, speed, result.by_times.col(1)))
     result.by_times.resize(0, 0);
   return result;

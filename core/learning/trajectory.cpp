@@ -21,8 +21,10 @@ std::size_t bytes_of(const Eigen::VectorXd& p, const Eigen::VectorXd& v, const E
 }
 std::size_t bytes_of(const std::vector<StepPart>& parts) {
   std::size_t result = 0;
-  for (const StepPart& each : parts)
+  for (const StepPart& each : parts) {
     result += sizeof each + sizeof(LocatedEvent) * each.events.size() + bytes_of(each.p, each.v, each.z);
+    for (const LocatedEvent& event : each.events) result += sizeof(NodeChange) * event.cluster.size();
+  }
   return result;
 }
 // One at the end of each part, and one at each event.

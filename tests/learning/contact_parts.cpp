@@ -32,17 +32,17 @@ TEST_CASE("an event has no derivative if its node was put elsewhere than the for
   const Contact& contact = engine.model().contact;
   LocatedEvent touch;
   touch.surface = 0;
-  touch.after.surface = 0;
-  touch.p = touch.next_p = {0.3, 0.1, 0.0};
-  touch.v = {1.0, 0.0, -2.0};  // friction holds it
+  touch.own.after.surface = 0;
+  touch.own.p = touch.own.next_p = {0.3, 0.1, 0.0};
+  touch.own.v = {1.0, 0.0, -2.0};  // friction holds it
   const auto found = [&](const LocatedEvent& event) {
     return jump_of(contact, *contact.at(just_before(0.1, options.time_step)), event, options.time_step).has_value();
   };
   CHECK(found(touch));
   LocatedEvent elsewhere = touch;
-  elsewhere.next_p.z() = 1e-4;
+  elsewhere.own.next_p.z() = 1e-4;
   CHECK_FALSE(found(elsewhere));
   LocatedEvent faster = touch;
-  faster.next_v.x() = 0.5;
+  faster.own.next_v.x() = 0.5;
   CHECK_FALSE(found(faster));
 }
