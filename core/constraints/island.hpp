@@ -114,7 +114,7 @@ class Island {
   void hold(double negligible);
   // Solves for the forces of the present active set, whatever their signs. keeps_slips: friction that is great enough
   // to hold a node that slips opposes the force that would, so that its slip passes through zero as a smooth function;
-  // unless that is against the direction of slip at the start.
+  // unless that is against the direction in which it slips at present.
   void solve(bool keeps_slips = false);
   // Makes a sticking node slip against its tangential force of the last solve().
   void begin_slip(std::size_t node);

@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "constraints/friction.hpp"
@@ -14,6 +13,12 @@ namespace {
 
 constexpr int max_directions = 200;  // iterations for directions of beginning slip
 constexpr int max_guesses = 20;      // of them, fixed-point iterations along the acceleration
+
+// Whether a node can move in all directions; one whose rod hangs from what is held cannot.
+bool is_regular(const Matrix3& mobility) {
+  const double size = mobility.norm();
+  return mobility.determinant() > 1e-9 * size * size * size;
+}
 
 }  // namespace
 
@@ -48,6 +53,7 @@ std::optional<Vector3> Island::reversed_slip(std::size_t i) const {
   if (!own) return std::nullopt;
   const Vector3& n = own->side.normal;
   const double mu = sliding_coefficient_of(own->side.friction);
+  if (!is_regular(own->mobility)) return std::nullopt;
   const Matrix3 inertia = own->mobility.inverse();
   const auto tangential = [&n](const Vector3& v) { return Vector3(v - n * n.dot(v)); };
   const Vector3 held = -tangential(inertia * own->relative);
@@ -114,14 +120,15 @@ void Island::solve(bool keeps_slips) {
       // At the boundary of the cone the acceleration is too small to have a direction.
       const double scale = (acceleration(i) - nodes_[i].acceleration).norm();
       const bool is_small = sliding.norm() <= 1e-6 * scale;
-      if (is_small && !against && !keeps_slips) continue;
+      const bool is_smooth = keeps_slips && is_regular(block(i, i));
+      if (is_small && !against && !is_smooth) continue;
       // Great friction overshoots or reverses the slip through the mobility's coupling of normal and tangential
       // directions. Then search all directions.
       std::optional<Vector3> slip;
       const bool pulls = node.normal_force[static_cast<std::size_t>(first - node.sides.begin())] < 0.0;
       if (against || is_small || pulls || iteration >= max_guesses) slip = slip_of(i);
       if (!slip && (against || is_small)) {  // it would stick
-        if (const std::optional<Vector3> held = keeps_slips ? reversed_slip(i) : std::nullopt;
+        if (const std::optional<Vector3> held = is_smooth ? reversed_slip(i) : std::nullopt;
             held && held->dot(kept[i]) > 0.0) {
           turned = std::max(turned, (*held - node.slip).norm());
           node.slip = *held;

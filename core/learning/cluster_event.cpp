@@ -1,10 +1,11 @@
 #include "learning/cluster_event.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "constraints/vectors.hpp"
-#include "learning/at_scope_end.hpp"
 #include "learning/node_vectors.hpp"
 #include "learning/settled_difference.hpp"
 #include "simulation/reactions_at.hpp"
@@ -21,8 +22,8 @@ using EventKind = LocatedEvent::Kind;
 
 // Of lengths, speeds, accelerations and masses. Lengths and rates are kept to 1e-13: differences are good to some 1e-8.
 constexpr double share = 2e-5;
-// What an event leaves follows from what it finds to this share: see event_jump.cpp.
-constexpr double tolerance = 1e-5, rounding_of_place = 1e-9;
+// Values that are typical change by this share of themselves over the shortest time.
+constexpr double steepest = 2e-5;
 
 double largest(const VectorXd& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
 
@@ -35,7 +36,8 @@ std::optional<ContactEvents::Source::Kind> source_of(EventKind kind) {
 
 }  // namespace
 
-// What carrying out an event changes in an engine, besides contacts: put back at the end of a scope.
+// What carrying out an event changes in an engine besides contacts, but for sums and texts that nothing depends on:
+// impulses of surfaces, the revision, notes. Put back at the end of a scope.
 struct ClusterEvent::Kept {
   explicit Kept(Model& of)
       : model(of), stale(of.stale), touches(of.recent_touches), mass(of.mass), events(of.journal.events().size()) {
@@ -46,10 +48,8 @@ struct ClusterEvent::Kept {
     internal.assign(now.internal, now.internal + of.state.internal_count);
   }
   ~Kept() {
-    model.stale = stale;
-    model.recent_touches = std::move(touches);
+    forget();
     std::copy(mass.begin(), mass.end(), model.mass.begin());  // in place: others have the address
-    model.journal.forget_events(events);
     springnet_state& now = model.state.view;
     const double* from = state.data();
     for (const springnet_vectors* vectors : {&now.position, &now.velocity})
@@ -61,6 +61,12 @@ struct ClusterEvent::Kept {
   }
   Kept(const Kept&) = delete;
   Kept& operator=(const Kept&) = delete;
+  // What does not belong to the state.
+  void forget() const {
+    model.stale = stale;
+    model.recent_touches = touches;
+    model.journal.forget_events(events);
+  }
 
   Model& model;
   decltype(Model::stale) stale;
@@ -119,31 +125,50 @@ bool ClusterEvent::surfaces_move() const {
          });
 }
 
-void ClusterEvent::begin_with(const Input& input) {
-  begin_(input.time);
-  Contact& contact = model_.contact;
-  for (const NodeChange& each : event_.cluster) {
-    contact.set_braced(each.node, false);
-    if (each.before.slides && contact.slip(each.node).isZero(0.0)) contact.set_slip(each.node, each.slip);
-  }
+// All nodes as the event found them.
+void ClusterEvent::write_state() {
   const springnet_state& now = model_.state.view;
   for (std::uint32_t k = 0; k < model_.node_count(); ++k) {
     put_vector(now.position, k, node_of(state_.p, k));
     put_vector(now.velocity, k, node_of(state_.v, k));
   }
   std::copy_n(state_.z.data(), state_.z.size(), now.internal);
+  begun_ = std::numeric_limits<double>::quiet_NaN();
+}
+
+void ClusterEvent::begin_with(const Input& input) {
+  Contact& contact = model_.contact;
+  if (input.time != begun_) {
+    begin_(input.time);
+    begun_ = input.time;
+    slips_.clear();
+    for (const NodeChange& each : event_.cluster) {
+      const bool is_kept = contact.slip_phase(each.node) != Contact::Slip::ongoing;
+      slips_.push_back({each.node, is_kept ? contact.slip(each.node) : each.slip, contact.slip_phase(each.node)});
+    }
+  }
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    contact.touch(nodes_[i], event_.cluster[i].before, Vector3::Zero());
+    contact.set_braced(nodes_[i], false);
+    if (event_.cluster[i].before.slides) contact.set_slip(nodes_[i], slips_[i].direction, slips_[i].phase);
     const auto at = static_cast<Index>(i);
-    put_vector(now.position, nodes_[i], input.p.segment<3>(3 * at));
-    put_vector(now.velocity, nodes_[i], input.v.segment<3>(3 * at));
+    put_vector(model_.state.view.position, nodes_[i], input.p.segment<3>(3 * at));
+    put_vector(model_.state.view.velocity, nodes_[i], input.v.segment<3>(3 * at));
     model_.mass[nodes_[i]] = input.mass[at];
   }
+}
+
+double ClusterEvent::largest_of_moving(const VectorXd& of_nodes) const {
+  double result = 0.0;
+  const Index each = of_nodes.size() / mobility_.size();
+  for (Index k = 0; k < of_nodes.size(); ++k)
+    if (mobility_[k / each] > 0.0) result = std::max(result, std::abs(of_nodes[k]));
+  return result;
 }
 
 // ---- when it happens ------------------------------------------------------------------------------------------------
 
 std::optional<VectorXd> ClusterEvent::value(const Input& input, const VectorXd& free) {
-  const Kept kept(model_);
   begin_with(input);
   const springnet_state& now = model_.state.view;
   ReactionsAt reactions(model_, input.time, read_only(now.position), read_only(now.velocity), model_.state.internal,
@@ -159,6 +184,8 @@ std::optional<VectorXd> ClusterEvent::value(const Input& input, const VectorXd& 
 }
 
 std::optional<ClusterCondition> ClusterEvent::condition(const VectorXd& accelerations) {
+  const Kept kept(model_);
+  write_state();
   const VectorXd free = gather(accelerations);
   const std::optional<VectorXd> here = value(found_, free);
   if (!here) return std::nullopt;
@@ -178,16 +205,17 @@ std::optional<ClusterCondition> ClusterEvent::condition(const VectorXd& accelera
   ClusterCondition result;
   for (VectorXd* each : {&result.by_position, &result.by_velocity, &result.by_acceleration}) each->setZero(3 * count);
   result.by_mass.setZero(count);
-  const double force = largest(free) * largest(found_.mass), speed = largest(found_.v);
+  const double speed = speed_or_typical(largest_of_moving(found_.v));
+  const double acceleration = std::max(largest_of_moving(free), speed * speed / length_);
+  const double force = acceleration * largest_of_moving(found_.mass);
   for (Index k = 0; k < 3 * count; ++k) {
     if (!(mobility_[k / 3] > 0.0)) continue;
     // The value has no other derivative by an acceleration than one of a mass, or of a ratio of masses.
-    const double way = largest(free) > 0.0 ? share * largest(free) : share;
-    if (!by([k](Input&, VectorXd& a, double h) { a[k] += h; }, way, found_.mass[k / 3], result.by_acceleration[k]) ||
+    if (!by([k](Input&, VectorXd& a, double h) { a[k] += h; }, share * acceleration, found_.mass[k / 3],
+            result.by_acceleration[k]) ||
         !by([k](Input& to, VectorXd&, double h) { to.p[k] += h; }, share * length_, force / length_,
             result.by_position[k]) ||
-        (speed > 0.0 && !by([k](Input& to, VectorXd&, double h) { to.v[k] += h; }, share * speed, force / speed,
-                            result.by_velocity[k])))
+        !by([k](Input& to, VectorXd&, double h) { to.v[k] += h; }, share * speed, force / speed, result.by_velocity[k]))
       return std::nullopt;
   }
   for (Index i = 0; i < count; ++i)
@@ -196,7 +224,7 @@ std::optional<ClusterCondition> ClusterEvent::condition(const VectorXd& accelera
         !by([i](Input& to, VectorXd&, double h) { to.mass[i] += h; }, share * own, force / own, result.by_mass[i]))
       return std::nullopt;
   if (surfaces_move() && !by([](Input& to, VectorXd&, double h) { to.time += h; }, state_.shortest,
-                             force / state_.shortest * share, result.by_time))
+                             steepest * force / state_.shortest, result.by_time))
     return std::nullopt;
   return result;
 }
@@ -212,8 +240,8 @@ bool ClusterEvent::only_marks() const noexcept {
 
 // The cluster as the event leaves it: (p, v), [6 node]. Before it the state is one that connections and contacts allow:
 // what is not allowed would count as an impact.
-std::optional<VectorXd> ClusterEvent::after(const Input& input) {
-  const Kept kept(model_);
+std::optional<VectorXd> ClusterEvent::after(const Input& input, const Kept& kept) {
+  kept.forget();
   begin_with(input);
   Contact& contact = model_.contact;
   const springnet_state& now = model_.state.view;
@@ -250,12 +278,16 @@ std::optional<EventJump> ClusterEvent::jump() {
     given_p.segment<3>(3 * i) = own.next_p;
     given_v.segment<3>(3 * i) = own.next_v;
   }
+  const Kept kept(model_);
+  write_state();
   const bool marks = only_marks();
   const std::optional<VectorXd> base =
-      marks ? std::optional<VectorXd>((VectorXd(2 * size) << found_.p, found_.v).finished()) : after(found_);
-  const double speed = std::max(largest(found_.v), largest(given_v));
-  if (!base || !(largest(base->tail(size) - given_v) <= tolerance * speed) ||
-      !(largest(base->head(size) - given_p) <= tolerance * length_ + rounding_of_place * largest(given_p)))
+      marks ? std::optional<VectorXd>((VectorXd(2 * size) << found_.p, found_.v).finished()) : after(found_, kept);
+  // What an event leaves follows from what it finds to this share: see event_jump.cpp.
+  constexpr double same = 1e-5, rounding = 1e-9;
+  const double speed = speed_or_typical(std::max(largest_of_moving(found_.v), largest_of_moving(given_v)));
+  if (!base || !(largest(base->tail(size) - given_v) <= same * speed) ||
+      !(largest(base->head(size) - given_p) <= same * length_ + rounding * largest(given_p)))
     return std::nullopt;
   EventJump result{MatrixXd::Identity(2 * size, 2 * size), VectorXd::Zero(2 * size), VectorXd::Zero(2 * size),
                    MatrixXd::Zero(2 * size, count)};
@@ -264,7 +296,7 @@ std::optional<EventJump> ClusterEvent::jump() {
     const auto at = [&](double way) {
       Input input = found_;
       change(input, way);
-      return after(input);
+      return after(input, kept);
     };
     const std::optional<VectorXd> found = settled_difference(at, *base, h, typical);
     if (found) column = *found;
@@ -285,7 +317,7 @@ std::optional<EventJump> ClusterEvent::jump() {
                                                                        share * own, speed / own, result.by_mass.col(i)))
       return std::nullopt;
   if (surfaces_move() && !fill([](Input& to, double h) { to.time += h; }, state_.shortest,
-                               speed / state_.shortest * share, result.by_time))
+                               steepest * speed / state_.shortest, result.by_time))
     return std::nullopt;
   return result;
 }

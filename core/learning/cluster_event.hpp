@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "learning/contact_history.hpp"
 #include "learning/event_jump.hpp"
 #include "learning/rod_lengths.hpp"
 #include "learning/step_parts.hpp"
@@ -37,7 +38,8 @@ class ClusterEvent {
   using Begin = std::function<void(double until)>;
   using Placed = std::function<std::shared_ptr<const Placement>(double time)>;
 
-  // All arguments must outlive it. Changes contacts and the present step of the engine, nothing else.
+  // The engine, the event and the vectors of the state must outlive it. Of the engine contacts and the present step are
+  // others afterwards, and what nothing depends on: sums of impulses, notes.
   ClusterEvent(Engine& engine, const LocatedEvent& event, const State& state, Begin begin, Placed placed);
 
   // Whether it happens by forces: a release, or a slip that begins. Of others see event_condition.hpp.
@@ -54,11 +56,16 @@ class ClusterEvent {
     double time;
   };
   struct Kept;  // what the engine's functions change
-  [[nodiscard]] std::optional<Eigen::VectorXd> after(const Input& input);
+  [[nodiscard]] std::optional<Eigen::VectorXd> after(const Input& input, const Kept& kept);
   [[nodiscard]] std::optional<Eigen::VectorXd> value(const Input& input, const Eigen::VectorXd& free);
   [[nodiscard]] bool only_marks() const noexcept;
   [[nodiscard]] bool surfaces_move() const;
+  void write_state();
   void begin_with(const Input& input);
+  // Of [node of the cluster] or [3 node], without nodes whose motion is given.
+  [[nodiscard]] double largest_of_moving(const Eigen::VectorXd& of_nodes) const;
+  // m/s; of a cluster at rest that of the net.
+  [[nodiscard]] double speed_or_typical(double speed) const { return speed > 0.0 ? speed : model_.scales.velocity; }
   [[nodiscard]] Eigen::VectorXd gather(const Eigen::VectorXd& of) const;
 
   Engine& engine_;
@@ -73,6 +80,8 @@ class ClusterEvent {
   Eigen::VectorXd mobility_;  // 0: its motion is given
   Input found_;
   double length_ = 0.0;  // m, of the longest rod
+  double begun_ = 0.0;   // s: the step that has begun ends then; nan: none
+  std::vector<Slipping> slips_;
 };
 
 }  // namespace springnet::learning

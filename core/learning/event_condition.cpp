@@ -167,7 +167,10 @@ StartGradient direction_gradient(const Contact& contact, const Placement& start,
 }
 
 Vector3 slip_of(const Contact& contact, const Placement& at, const LocatedEvent& event) {
-  return contact.slip_vector(at, event.index, static_cast<std::size_t>(event.surface), event.own.p, event.own.v);
+  const auto surface = static_cast<std::size_t>(event.surface);
+  const Vector3 n = contact.normal(at, surface, event.own.p);
+  const Vector3 relative = event.own.v - Contact::velocity(at, surface, event.own.p);
+  return relative - n.dot(relative) * n;
 }
 
 std::optional<NodeCondition> condition_of(const Contact& contact, const PlacedTime& at, const LocatedEvent& event,

@@ -48,7 +48,7 @@ struct PlacedTime {
 [[nodiscard]] StartGradient direction_gradient(const Contact& contact, const Placement& start,
                                                const LocatedEvent& event, const Vector3& p, const Vector3& v,
                                                const Vector3& slip_at_end);
-// Slip of the event's node, m/s.
+// Slip of the event's node, which touches that surface alone, m/s.
 [[nodiscard]] Vector3 slip_of(const Contact& contact, const Placement& at, const LocatedEvent& event);
 
 }  // namespace springnet::learning

@@ -157,7 +157,7 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
   }
   constraints->find_outputs(
       {step.number, step.from.time, step.until.time, theta, step.from.p, step.from.v, step.until.p,
-       arrivals.empty() ? step.until.v : end_velocity, step.kept, unsettled_until(step.until.time), &learned},
+       arrivals.empty() ? step.until.v : end_velocity, step.kept, unsettled_until(step.until.time), &learned, locates},
       free, outputs);
 }
 

@@ -128,7 +128,7 @@ void MotionDerivatives::Impl::add_condition(const Step& step, const springnet_ev
   const VectorXd a = accelerations(host, end);
   if (!event.cluster.empty() && ClusterEvent::has_condition(event.kind)) {
     const auto own = with_cluster(step, [&](ClusterEvent& cluster) { return cluster.condition(a); });
-    if (!own) refuse(step, ", as its rigid connections have no smooth motion there");
+    if (!own) refuse(step, ", as the forces in its rigid connections change with a jump or a kink");
     VectorXd by_mass = VectorXd::Zero(static_cast<Index>(nodes));
     Index i = 0;
     event.for_each_node([&](const NodeChange& each) {
@@ -176,10 +176,9 @@ EventJump MotionDerivatives::Impl::jump_of(const Step& step) {
   if (!event.is_of_node()) return {};
   const Contact& contact = constraints->engine().model().contact;
   if (!event.cluster.empty()) {
-    const bool is_smooth = event.kind != LocatedEvent::Kind::stall && event.kind != LocatedEvent::Kind::several;
-    std::optional<EventJump> result;
-    if (is_smooth) result = with_cluster(step, [](ClusterEvent& cluster) { return cluster.jump(); });
-    if (!result) refuse(step, ", with its rigid connections");
+    if (event.kind == LocatedEvent::Kind::stall) refuse(step, ", of a rigidly connected node");
+    std::optional<EventJump> result = with_cluster(step, [](ClusterEvent& cluster) { return cluster.jump(); });
+    if (!result) refuse(step, ", as what it leaves of the rigid connections changes with a jump or a kink");
     return *std::move(result);
   }
   const double h = std::max(step.until.time - step.from.time, share_of_step * time_step);

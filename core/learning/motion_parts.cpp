@@ -41,7 +41,7 @@ std::string what_happens(LocatedEvent::Kind kind) {
     case LocatedEvent::Kind::rest:
       return "end of the slip";
     case LocatedEvent::Kind::several:
-      return "several events at once";
+      return "coincidence of events";
     case LocatedEvent::Kind::seam:
       return "way over an edge";
     case LocatedEvent::Kind::slow:
@@ -87,6 +87,7 @@ void MotionDerivatives::Impl::refuse_times(const Step& step, std::uint32_t node)
 
 void MotionDerivatives::Impl::check_event_of_cluster(const LocatedEvent& event, double time) const {
   if (event.kind == LocatedEvent::Kind::several) refuse(event, time, ", as rigid connections join the nodes");
+  constraints->check_touching_cluster(event.index, event.surface, time);
   const auto check_friction = [&](std::int32_t surface) {
     if (surface >= 0 && learned.has_friction_of(surface))
       refuse(event, time, ", as the friction of a surface is not learned from rigidly connected nodes");

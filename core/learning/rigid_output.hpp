@@ -20,6 +20,7 @@ struct ClusterOverStep {
   Eigen::VectorXd mobility;  // [node] 1/kg; 0: its motion is given
   double w, c;               // s, of a step: theta h, (1 - theta) h
   double theta;
+  bool timed = true;  // derivatives by times are wanted
   // [3 node], x y z of each: m, m/s. V of a node whose motion is given: that at the end.
   Eigen::VectorXd p, v, free, P, U;
 };

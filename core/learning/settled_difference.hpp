@@ -12,8 +12,8 @@ namespace springnet::learning {
 // The derivative of at(h) by h at 0, where it is `base`. Steps, `step` at first, are divided: part of a step that is
 // too long lies in another branch, where `at` answers none, or has another slope on one side; and friction of small
 // slips is curved. Differences are extrapolated as errors of second or first order (Richardson), until two of them
-// agree best, as shorter steps have more rounding. Of a slope that differs on both sides however short the steps, the
-// mean. typical: size of such derivatives; those that are much smaller are rounding. None: they do not agree.
+// agree best, as shorter steps have more rounding. typical: size of such derivatives; those that are much smaller are
+// rounding. None: they do not agree, or the slope differs on both sides however short the steps are.
 template <class At>
 [[nodiscard]] std::optional<Eigen::VectorXd> settled_difference(const At& at, const Eigen::VectorXd& base, double step,
                                                                 double typical) {
@@ -30,7 +30,7 @@ template <class At>
     is_kinked = (*after - 2.0 * base + *before).norm() > one_slope * h * std::max(typical, result.norm());
     return result;
   };
-  Difference last = over(step), last_smooth, last_kinked, best, mean;
+  Difference last = over(step), last_smooth, last_kinked, best;
   double least = same;
   for (int i = 0; i < most_finer; ++i) {
     Difference next = over(step /= finer), smooth, kinked;
@@ -42,8 +42,8 @@ template <class At>
     const double before = least;
     const auto compare = [&](const Difference& one, const Difference& other, const Difference& limit) {
       if (!one || !other) return;
-      const double apart = (*one - *other).norm() / std::max(typical, one->norm());
-      if (apart <= same && is_kinked) mean = limit;
+      const double size = std::max(typical, one->norm());
+      const double apart = size > 0.0 ? (*one - *other).norm() / size : 0.0;
       if (!(apart <= least) || is_kinked) return;
       least = apart;
       best = limit;
@@ -56,7 +56,7 @@ template <class At>
     last_smooth = std::move(smooth);
     last_kinked = std::move(kinked);
   }
-  return best ? best : mean;
+  return best;
 }
 
 }  // namespace springnet::learning

@@ -31,6 +31,18 @@ constexpr std::size_t most_of_touching_cluster = 40;
 
 }  // namespace
 
+void StepConstraints::check_touching_cluster(std::uint32_t node, std::int32_t surface, double time) const {
+  const Model& model = engine_.model();
+  const std::size_t count = model.rigid.nodes_of(model.rigid.cluster_of()[node]).size();
+  if (count <= most_of_touching_cluster) return;
+  throw Error(ErrorKind::simulation,
+              fmt::format("learning: rigid connections join {} nodes, of which node {} touches {} at {:g} s; up to {} "
+                          "are differentiated while they touch; use springs for some of them, or learn from the time "
+                          "before it",
+                          count, model.user_number(node), model.contact.name_of(static_cast<std::size_t>(surface)),
+                          time, most_of_touching_cluster));
+}
+
 StepConstraints::StepConstraints(const Network& network, const PluginHost& plugins, const SimulationOptions& options)
     : engine_(network, plugins, options), table_(make_host_table(engine_)), host_(table_) {
   const RigidConnections& rigid = engine_.model().rigid;
@@ -201,14 +213,8 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
                           "a surface is not learned from that",
                           model.user_number(each.node), model.contact.name_of(static_cast<std::size_t>(surface)),
                           step.until_time));
-    if (!own.empty() && cluster.nodes.size() > most_of_touching_cluster)
-      throw Error(ErrorKind::simulation,
-                  fmt::format("learning: rigid connections join {} nodes, of which node {} touches {} at {:g} s; up to "
-                              "{} are differentiated while they touch; use springs for some of them, or learn from the "
-                              "time before it",
-                              cluster.nodes.size(), model.user_number(own.front().node),
-                              model.contact.name_of(static_cast<std::size_t>(own.front().touch.surface)),
-                              step.until_time, most_of_touching_cluster));
+    if (!own.empty()) check_touching_cluster(own.front().node, own.front().touch.surface, step.until_time);
+    cluster.timed = step.timed && !moves;
     auto derivative = own.empty()
                           ? output_derivative(cluster)
                           : output_differences(model, c, places.start, places.step, step.until_time, own, cluster);
@@ -221,7 +227,7 @@ void StepConstraints::add_clusters(const Step& step, const VectorXd& free, const
               own.empty() ? "" : ", with contact of node " + std::to_string(model.user_number(own.front().node))));
     // dW = -dm / m^2.
     for (Index i = 0; i < size; ++i) derivative->by_mobility.col(i) *= -cluster.mobility[i] * cluster.mobility[i];
-    if (moves) derivative->by_times.resize(0, 0);
+    if (!cluster.timed) derivative->by_times.resize(0, 0);
     outputs.add(std::move(cluster.nodes), std::move(derivative->by_state), std::move(derivative->by_mobility),
                 std::move(derivative->by_times));
   }

@@ -34,6 +34,8 @@ class StepConstraints {
   // projected, which is not differentiated. simulation: at the start.
   void check_starts(const LearnedSets& learned, const Simulation& simulation) const;
   [[nodiscard]] bool is_rigid(std::uint32_t node) const;  // the engine's number: whether it is rigidly connected
+  // Throws Error(simulation) if a node that touches a surface belongs to too great a cluster.
+  void check_touching_cluster(std::uint32_t node, std::int32_t surface, double time) const;
   // Whether anything constrains the accelerations at a state.
   [[nodiscard]] bool any_at(std::size_t state);
   // Or the outputs of the step that ends at a state.
@@ -54,6 +56,7 @@ class StepConstraints {
     bool kept = false;                     // contacts, which no sweep has decided
     double unsettled = 0.0;                // m/s, see NodeOverStep
     const LearnedSets* learned = nullptr;  // whose derivatives are wanted; null: of no surface
+    bool timed = true;                     // its start or end may move
   };
   // Nodes that arrive at a surface in a step; U is that at its end.
   [[nodiscard]] std::vector<Arrival> arrivals(const Step& step);

@@ -1,7 +1,6 @@
 #include "learning/touching_cluster.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <springnet/sdk/host.hpp>
@@ -192,6 +191,7 @@ std::optional<ClusterDerivative> output_differences(Model& model, std::size_t cl
         own > 0.0 && !fill([i](Sweep::Input& to, double h) { to.mobility[i] += h; }, step_share * own, speed / own,
                            result.by_mobility.col(i)))
       return std::nullopt;
+  if (!given.timed) return result;
   result.by_times.setZero(2 * size, 2);
   const auto later_start = [&](Sweep::Input& to, double h) {
     to.from += h;

@@ -56,7 +56,7 @@ TEST_CASE(
   flat.add_plane(floor_with(smooth));
   std::string said = refusal_of_motion(flat, 0.3);
   CAPTURE(said);
-  CHECK(has(said, "the several events at once of node 0 with plane 'floor' (number 0) at 0.14"));
+  CHECK(has(said, "the coincidence of events of node 0 with plane 'floor' (number 0) at 0.14"));
   CHECK(has(said, "as rigid connections join the nodes; set events = \"stepwise\""));
 
   // Friction holds the lower node until the rod has turned.

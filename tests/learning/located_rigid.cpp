@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -61,8 +62,6 @@ SimulationOptions rigid_steps(double theta, double step) {
   return options;
 }
 
-}  // namespace
-
 // A rod in a vertical plane, node 0 below and to the left, that falls without turning and bounces on a smooth floor.
 struct Rod {
   double first, second, gravity;  // kg, kg, m/s^2
@@ -80,6 +79,8 @@ struct Rod {
     return {arm * std::cos(angle) + across * time - arm * std::cos(turned), z - arm * std::sin(turned)};
   }
 };
+
+}  // namespace
 
 TEST_CASE("a rigid rod that bounces on its end moves on as its masses and gravity tell in closed form") {
   constexpr double end = 0.15;

@@ -148,7 +148,7 @@ TEST_CASE("what experiments in threads throw is told, of the first of them") {
   };
   const std::string first = message_of({seen[0], seen[1]}, 1);
   CAPTURE(first);
-  CHECK(has(first, "several events at once"));
+  CHECK(has(first, "the coincidence of events of node"));
   CHECK(message_of({seen[0], seen[2]}, 1) != first);
   for (const unsigned threads : {1u, 2u, 3u}) CHECK(message_of(seen, threads) == first);
   LearnOptions options;

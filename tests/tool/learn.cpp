@@ -261,7 +261,7 @@ TEST_CASE("learn warns of a bad fit, and tells why it could not follow a better 
   CAPTURE(early.out);
   CHECK(early.status == 0);
   CHECK(has(early.out, "With values from the first part of the motion more of it fails"));
-  CHECK(has(early.out, "as the node is rigidly connected"));
+  CHECK(has(early.out, "as rigid connections join the nodes"));
   const auto json = testing::read_json(folder.path() / "early/learning.json");
   CHECK(json["cost"].get<double>() < json["start_cost"].get<double>());
 }
