@@ -12,9 +12,11 @@
 
 #include <doctest/doctest.h>
 
+#include <springnet/learn.hpp>
 #include <springnet/motion_derivatives.hpp>
 
 #include "derivative_check.hpp"
+#include "learning_nets.hpp"
 #include "motion_loss.hpp"
 #include "touching_nets.hpp"
 
@@ -200,4 +202,34 @@ TEST_CASE("events of rigid bodies that springs with memory join are differentiat
     within.memory = std::size_t{30} << 10;
     CHECK(check_derivatives(net, rigid_steps(theta, 0.00125), 0.12, learned, within) >= 2);
   }
+}
+
+TEST_CASE("a stiffness and the masses of a dumbbell that bounces and tumbles are found from its motion") {
+  const auto dumbbell = [](double second, double stiffness) {
+    Network net;
+    net.add_node(point({0, 0, 0.2}, 0.4));
+    net.add_node(point({0.3, 0.02, 0.28}, second));
+    net.add_node(point({0.1, 0.05, 0.6}, 0.5));
+    net.add_rigid(0, 1);
+    const MaterialIndex soft = net.add_material(damped(stiffness, 0.2));
+    net.add_spring(0, 2, soft);
+    net.add_spring(1, 2, soft);
+    net.set_gravity({0, 0, -9.81});
+    net.add_plane(floor_with(held, up, 0.5));
+    return net;
+  };
+  const SimulationOptions options = located(0.5, 0.005);
+  Simulation real(dumbbell(0.9, 60.0), plugins(), options);
+  const Observations seen = observe(real, 90, from_to(0, 3));
+  REQUIRE(std::count_if(real.events().begin(), real.events().end(),
+                        [](const Event& each) { return each.kind == Event::Kind::touched; }) >= 4);
+  const LearnedNet learned =
+      learn({experiment(dumbbell(0.7, 50.0), options, seen)}, plugins(),
+            {{{Kind::spring_parameter, false, "stiffness", {0, 1}}, true}, {{Kind::mass, false, "", {0, 1, 2}}}});
+  CAPTURE(learned.reason);
+  // To what steps leave unbalanced.
+  const double right[] = {60.0, 0.4, 0.9, 0.5};
+  REQUIRE(learned.parameters.size() == 5);
+  CHECK(learned.parameters[0].value == doctest::Approx(right[0]).epsilon(1e-6));
+  for (std::size_t k = 2; k < 5; ++k) CHECK(learned.parameters[k].value == doctest::Approx(right[k - 1]).epsilon(1e-6));
 }
