@@ -13,8 +13,11 @@
 namespace springnet::learning {
 namespace {
 
-// States of a part: few if they are large. Of the net alone, so that the budget changes no bits.
-constexpr std::size_t most_of_part = 64, least_of_part = 4, bytes_of_part = std::size_t{1} << 27;
+// States of a part. Of the net alone, so that the budget changes no bits. Where a part begins integrators estimate anew
+// what they know of the motion, which takes the recurrent network some eight steps: parts are long, unless their states
+// are large. Those of small nets are short, so that they fit small budgets.
+constexpr std::size_t most_of_part = 64, most_of_large_net = 256, least_of_part = 4;
+constexpr std::size_t bytes_of_large_net = std::size_t{1} << 16, bytes_of_part = std::size_t{1} << 27;
 
 std::size_t bytes_of(const Eigen::VectorXd& p, const Eigen::VectorXd& v, const Eigen::VectorXd& z) {
   return sizeof(double) * static_cast<std::size_t>(p.size() + v.size() + z.size());
@@ -75,7 +78,8 @@ void Trajectory::plan(std::size_t steps) {
   largest_saved_ = simulation_.save().size();  // lays out what was changed
   events_ = simulation_.events().size();
   use_ = {};
-  use_.part = std::clamp(bytes_of_part / each_, least_of_part, most_of_part);
+  use_.part =
+      std::clamp(bytes_of_part / each_, least_of_part, each_ < bytes_of_large_net ? most_of_part : most_of_large_net);
   if (reserved_ < memory_ && steps < (memory_ - reserved_) / each_) {
     states_.resize(steps + 1);
     return;
