@@ -119,6 +119,14 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   };
   const VectorXd after = later(d), before = later(-d);
   result.by_time += result.by_acceleration.dot(after - before) / (2.0 * d);
+  if (step.starts_at_event && !step.is_instant) {  // loads are means over the step
+    const auto from = [&](double by) {
+      host.begin_step(step.from.time + by, step.until.time);
+      return accelerations(host, end);
+    };
+    const VectorXd later_start = from(d), earlier_start = from(-d);
+    result.by_start.by_time += result.by_acceleration.dot(later_start - earlier_start) / (2.0 * d);
+  }
   host.begin_step(begin_of(step), step.until.time);
   return result;
 }

@@ -16,7 +16,16 @@ void Crossings::begin(const sdk::Host& host, double time, const springnet_state&
   const std::size_t count = host.network().event_count;
   for (auto* values : {&first_, &values_}) values->assign(count, 0.0);
   for (auto* marks : {&directions_, &fired_}) marks->assign(count, 0);
-  if (count > 0) host.event_values(sdk::evaluation_at(time, state), first_.data(), directions_.data());
+  is_due_ = false;
+  if (count > 0) {
+    kinds_.resize(count);
+    host.event_values(sdk::evaluation_at(time, state), first_.data(), directions_.data(),
+                      {kinds_.data(), nullptr, nullptr});
+    for (std::size_t e = 0; e < count; ++e) {
+      const bool is_by_force = kinds_[e] == SPRINGNET_EVENT_RELEASE || kinds_[e] == SPRINGNET_EVENT_SLIP;
+      is_due_ = is_due_ || (is_by_force && directions_[e] * first_[e] > 0.0);
+    }
+  }
   low_values_ = high_values_ = first_;
   high_fired_ = fired_;
   low_ = high_ = time;

@@ -21,17 +21,20 @@ class Crossings {
   [[nodiscard]] bool any() const noexcept { return any_; }
   [[nodiscard]] double low() const noexcept { return low_; }    // s, before
   [[nodiscard]] double high() const noexcept { return high_; }  // s, after
+  // Whether a contact should have ended, or a slip begun, before the step begins.
+  [[nodiscard]] bool is_due() const noexcept { return is_due_; }
   // [event_count], 1: crossed at the last evaluate().
   [[nodiscard]] const std::int32_t* fired() const noexcept { return fired_.data(); }
 
  private:
   std::vector<double> first_, low_values_, high_values_, values_;
   std::vector<std::int32_t> directions_, fired_, high_fired_;
+  std::vector<std::uint32_t> kinds_;
   double low_ = 0.0, high_ = 0.0;
   double low_weight_ = 1.0, high_weight_ = 1.0;  // of the Illinois rule
   int side_ = 0;                                 // end that moved last: -1 low, 1 high
   int evaluations_ = 0;
-  bool any_ = false;
+  bool any_ = false, is_due_ = false;
 };
 
 }  // namespace springnet::recurrent
