@@ -259,6 +259,7 @@ std::optional<VectorXd> ClusterEvent::after(const Input& input, const Kept& kept
   own.slip_ended = event_.kind == EventKind::rest;
   if (event_.kind == EventKind::touch) own.touched.push_back(event_.surface);
   if (event_.kind == EventKind::release) own.released.push_back(event_.surface);
+  const Loads::Instant loads(model_.loads, input.time);
   if (settle(model_, input.time, model_.state, findings) != SPRINGNET_OK) return std::nullopt;
   for (const NodeChange& each : event_.cluster)
     if (contact.committed(each.node) != each.after) return std::nullopt;

@@ -98,6 +98,7 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
     return result;
   }
   result.by_acceleration.setZero(size());
+  begin_instant(step.until.time);
   add_condition(step, end, result);
   if (result.by_acceleration.isZero(0.0)) {
     result.by_acceleration.resize(0);
@@ -114,22 +115,17 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
   const auto later = [&](double by) {
     springnet_evaluation then = end;
     then.time += by;
-    host.begin_step(step.is_instant ? then.time - share_of_step * time_step : step.from.time, then.time);
+    begin_instant(then.time);
     return accelerations(host, then);
   };
   const VectorXd after = later(d), before = later(-d);
   result.by_time += result.by_acceleration.dot(after - before) / (2.0 * d);
-  if (step.starts_at_event && !step.is_instant) {  // loads are means over the step
-    const auto from = [&](double by) {
-      host.begin_step(step.from.time + by, step.until.time);
-      return accelerations(host, end);
-    };
-    const VectorXd later_start = from(d), earlier_start = from(-d);
-    result.by_start.by_time += result.by_acceleration.dot(later_start - earlier_start) / (2.0 * d);
-  }
   host.begin_step(begin_of(step), step.until.time);
   return result;
 }
+
+// Loads are means over a step; what decides when an event happens are those at that time.
+void MotionDerivatives::Impl::begin_instant(double time) { host.begin_step(time - instant * time_step, time); }
 
 void MotionDerivatives::Impl::add_condition(const Step& step, const springnet_evaluation& end, EventCondition& to) {
   const LocatedEvent& event = *step.event;
@@ -203,7 +199,11 @@ void MotionDerivatives::Impl::event_forwards(const Step& step, Index columns, co
   const std::vector<std::uint32_t> changed = nodes_of_event(*step.event);
   for (Eigen::MatrixXd* each : {&dps, &dvs, &changes}) each->conservativeResize(Eigen::NoChange, columns);
   internal.resize_changes(columns);
-  if (condition.by_acceleration.size() > 0) learned.tangents(engine, host, evaluation(step.until), changes, by_values);
+  if (condition.by_acceleration.size() > 0) {
+    begin_instant(step.until.time);
+    learned.tangents(engine, host, evaluation(step.until), changes, by_values);
+    host.begin_step(begin_of(step), step.until.time);
+  }
   for (Index j = 0; j < columns; ++j) {
     double value = condition.by_position.dot(dps.col(j)) + condition.by_velocity.dot(dvs.col(j)) +
                    condition.by_internal.dot(internal.change(j));
@@ -275,8 +275,10 @@ learning::StartGradient MotionDerivatives::Impl::event_backwards(const Step& ste
   if (condition.by_acceleration.size() > 0) {
     weights = share * condition.by_acceleration;
     const springnet_evaluation end = evaluation(step.until);
+    begin_instant(step.until.time);
     host.linearise(end);
     learned.add_cotangent(engine, host, end, weights.data());
+    host.begin_step(begin_of(step), step.until.time);
   }
   return by_start;
 }

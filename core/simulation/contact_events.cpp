@@ -166,6 +166,7 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
 springnet_status ContactEvents::values(const springnet_evaluation& request, double* values, std::int32_t* directions) {
   const std::vector<Source>& all = sources();
   const layers::InternalView internal = model_.internal_for(request.internal);
+  const Loads::Instant loads(model_.loads, request.time);
   ReactionsAt reactions(model_, request.time, request.position, request.velocity, internal);
   for (std::size_t e = 0; e < all.size(); ++e) {
     const Source& source = all[e];
@@ -298,7 +299,10 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
   }
   if (!broken.empty() || !broken_elements.empty())
     topology_.remove({broken, broken_elements, {}}, Event::Kind::ruptured, time, state.nodes());
-  if (const springnet_status status = settle(model_, time, state, findings); status != SPRINGNET_OK) return status;
+  {
+    const Loads::Instant loads(model_.loads, time);
+    if (const springnet_status status = settle(model_, time, state, findings); status != SPRINGNET_OK) return status;
+  }
   return model_.evaluator.evaluate(time, state.nodes(), model_.external_at(time), state.forces(), {},
                                    model_.journal.message);
 }

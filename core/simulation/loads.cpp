@@ -63,6 +63,8 @@ Loads::Change Loads::weigh(Entry& entry, double share, double weight) noexcept {
 
 Loads::Change Loads::set_interval(double from, double until) {
   follows_ = false;
+  from_ = from;
+  until_ = until;
   if (!(std::isfinite(until) && until > from)) return set_time(from);
   Change change = Change::none;
   for (Entry& entry : entries_) {
@@ -75,6 +77,26 @@ Loads::Change Loads::set_interval(double from, double until) {
   }
   if (change != Change::none) gather();
   return change;
+}
+
+// Left limits at the end, right limits at the start: means over a far shorter time there.
+Loads::Instant::Instant(Loads& loads, double time) : loads_(loads) {
+  constexpr double shorter = 1e-6;
+  const double length = loads.until_ - loads.from_;
+  if (loads.follows_ || !(length > 0.0) || !std::isfinite(length)) return;
+  const double begin = std::max(loads.from_, time - shorter * length), end = begin + shorter * length;
+  for (std::size_t k = 0; k < loads.entries_.size(); ++k) {
+    Entry& entry = loads.entries_[k];
+    if (!(entry.share > 0.0) || entry.course.is_constant()) continue;
+    means_.emplace_back(k, entry.weight);
+    entry.weight = entry.share * entry.course.mean(begin, end);
+  }
+  if (!means_.empty()) loads.gather();
+}
+
+Loads::Instant::~Instant() {
+  for (const auto& [entry, weight] : means_) loads_.entries_[entry].weight = weight;
+  if (!means_.empty()) loads_.gather();
 }
 
 Loads::Change Loads::begin_following(double time) {

@@ -26,6 +26,18 @@ class Loads {
   // Averages the scene's loads over [from, until], s, so that their impulse is exact for any step. If the interval is
   // not finite, or empty, takes the loads right after `from`.
   Change set_interval(double from, double until);
+  // In its scope loads that vary over the present interval are those at a time of it, s, not their means.
+  class Instant {
+   public:
+    Instant(Loads& loads, double time);
+    ~Instant();
+    Instant(const Instant&) = delete;
+    Instant& operator=(const Instant&) = delete;
+
+   private:
+    Loads& loads_;
+    std::vector<std::pair<std::size_t, double>> means_;  // of entries that vary: their weights
+  };
   // From now on the loads are those at the time last given to follow().
   Change begin_following(double time);
   // After begin_following(): takes the loads right after `time`, s. Otherwise does nothing.
@@ -80,11 +92,11 @@ class Loads {
   std::vector<Entry> entries_;
   double greatest_ = 0.0;
   bool follows_ = false;
-  double time_ = 0.0;
-  std::vector<double> host_[3];   // empty: none set
-  std::vector<double> total_[3];  // empty: no loads at all
-  std::vector<double> pressure_;  // [load] Pa, of following pressures
-  bool any_pressure_ = false;     // now
+  double time_ = 0.0, from_ = 0.0, until_ = 0.0;  // s
+  std::vector<double> host_[3];                   // empty: none set
+  std::vector<double> total_[3];                  // empty: no loads at all
+  std::vector<double> pressure_;                  // [load] Pa, of following pressures
+  bool any_pressure_ = false;                     // now
   std::size_t node_count_;
 };
 

@@ -181,3 +181,38 @@ TEST_CASE("a node that the program takes off a plane was at rest there") {
     CHECK(event->normal == Vector3::UnitZ());
   }
 }
+
+// Its mean over a step is reached half of a step later.
+TEST_CASE(
+    "a load that grows lifts a node off a floor, and makes another one slip, at the time that it has the force for "
+    "it") {
+  constexpr double g = 9.81, mass = 0.5, force = 12.0, frequency = 1.5, mu = 0.3, step = 5e-3;
+  const auto reached = [](double needed) { return std::asin(needed / force) / (2.0 * std::acos(-1.0) * frequency); };
+  for (const Method& method : methods()) {
+    CAPTURE(method.name);
+    Network net;
+    net.add_node(point({0, 0, 0}, mass));
+    net.add_node(point({1, 0, 0}, mass));
+    net.set_gravity({0, 0, -g});
+    net.add_plane({.name = "floor", .friction = {Friction::Kind::coulomb, mu}});
+    for (const NodeIndex k : {0, 1}) {
+      Load load;
+      load.nodes = {k};
+      load.force = k == 0 ? Vector3(0, 0, force) : Vector3(force, 0, 0);
+      load.course.frequency = frequency;
+      net.add_load(load);
+    }
+    Simulation simulation = simulate(net, method.integrator, step);
+    simulation.advance_to(0.1);
+    const Event *const leaves = first_of(simulation, Event::Kind::released), *const slips = first_of(
+                                                                                 simulation, Event::Kind::slipped);
+    REQUIRE(leaves != nullptr);
+    REQUIRE(slips != nullptr);
+    CHECK(leaves->index == 0);
+    CHECK(slips->index == 1);
+    // To what the load is evaluated to beside a time, 1e-6 of a step, or to a step.
+    const double late = method.locates ? 1e-5 * step : 1.51 * step;
+    CHECK(std::abs(leaves->time - reached(mass * g)) <= late);
+    CHECK(std::abs(slips->time - reached(mu * mass * g)) <= late);
+  }
+}

@@ -34,12 +34,10 @@ springnet_status Recurrent::advance_by_events(double until, springnet_step_repor
 bool Recurrent::advance_to_event(double until, springnet_step_report& report) {
   const auto [from, start] = work_.host.committed();
   const double whole = until - from;
-  // Loads are means over a step: at its start they are those of a step that is far shorter.
-  work_.host.begin_step(from, from + min_part * whole);
-  crossings_.begin(work_.host, from, start);
   work_.host.begin_step(from, until);
-  // The loads of the step before were others: no crossing tells that a surface would have to pull by now, or friction
-  // to hold more than it can. A step that decides contacts itself does.
+  crossings_.begin(work_.host, from, start);
+  // Loads have jumped: no crossing tells that a surface would have to pull by now, or friction to hold more than it
+  // can. A step that decides contacts itself does.
   if (crossings_.is_due()) return false;
   const std::uint64_t revision = work_.host.network().revision;  // whose events these are
   double time = until;
