@@ -1,10 +1,14 @@
 // Parts of derivatives of motions in contact, each by itself.
 
+#include <cmath>
+#include <optional>
+
 #include <doctest/doctest.h>
 
 #include "constraints/contact.hpp"
 #include "learning/contact_history.hpp"
 #include "learning/event_jump.hpp"
+#include "learning/settled_difference.hpp"
 #include "nets.hpp"
 #include "simulation/engine.hpp"
 
@@ -45,4 +49,18 @@ TEST_CASE("an event has no derivative if its node was put elsewhere than the for
   LocatedEvent faster = touch;
   faster.own.next_v.x() = 0.5;
   CHECK_FALSE(found(faster));
+}
+
+TEST_CASE("a difference has the slope where it is asked for, not the mean with one that begins beside it") {
+  const auto difference = [](const auto& function) {
+    const auto at = [&](double h) { return std::optional<Eigen::VectorXd>(Eigen::VectorXd::Constant(1, function(h))); };
+    return settled_difference(at, *at(0.0), 1e-3, 1.0);
+  };
+  const auto smooth = difference([](double h) { return std::sin(2.0 * h); });
+  REQUIRE(smooth);
+  CHECK((*smooth)[0] == doctest::Approx(2.0).epsilon(1e-9));
+  const auto beside = difference([](double h) { return std::abs(h - 1e-5); });
+  REQUIRE(beside);
+  CHECK((*beside)[0] == doctest::Approx(-1.0).epsilon(1e-9));
+  CHECK_FALSE(difference([](double h) { return std::abs(h); }));
 }
