@@ -225,7 +225,7 @@ struct MotionDerivatives::Impl {
   // Derivatives by time that have no formula, of loads and of accelerations of surfaces, are central differences over
   // twice this share of the time step: of an error of 1e-8 times the square of the angle by which they swing in a step.
   static constexpr double share_of_step = 1e-4;
-  static constexpr double instant = 1e-6;  // times the time step
+  static constexpr double share_of_instant = 1e-6;  // times the time step
   void begin_instant(double time);
   // How fast the value of an event changes with the time of it.
   [[nodiscard]] double rate_of(const Step& step, const learning::EventCondition& condition, const Eigen::VectorXd& p,

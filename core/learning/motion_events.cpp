@@ -125,7 +125,7 @@ EventCondition MotionDerivatives::Impl::condition_of(const Step& step) {
 }
 
 // Loads are means over a step; what decides when an event happens are those at that time.
-void MotionDerivatives::Impl::begin_instant(double time) { host.begin_step(time - instant * time_step, time); }
+void MotionDerivatives::Impl::begin_instant(double time) { host.begin_step(time - share_of_instant * time_step, time); }
 
 void MotionDerivatives::Impl::add_condition(const Step& step, const springnet_evaluation& end, EventCondition& to) {
   const LocatedEvent& event = *step.event;
