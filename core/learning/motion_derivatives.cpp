@@ -164,9 +164,9 @@ void MotionDerivatives::Impl::find_outputs(const Step& step) {
 // m/s. The residual is of the last sweep, which has moved nodes in contact by forces of the one before.
 double MotionDerivatives::Impl::unsettled_until(double time) const {
   constexpr double residuals = 4.0, rounding = 1e-6;
-  const double steps = std::ceil((time - trajectory.time(0)) / time_step - rounding);
-  if (!(steps >= 1.0 && steps < static_cast<double>(settled.size()))) return 0.0;
-  const auto number = static_cast<std::size_t>(steps);
+  const double made = std::ceil((time - trajectory.time(0)) / time_step - rounding);
+  if (!(made >= 1.0 && made < static_cast<double>(settled.size()))) return 0.0;
+  const auto number = static_cast<std::size_t>(made);
   return residuals * (settled[number].velocity - settled[number - 1].velocity);
 }
 
