@@ -209,6 +209,8 @@ struct MotionDerivatives::Impl {
   void event_forwards(const Step& step, Eigen::Index columns, const StartChanges& start);
   [[nodiscard]] learning::StartGradient event_backwards(const Step& step);
   [[nodiscard]] double begin_of(const Step& step) const;
+  // Forwards, with the changes of its times that are set, which stay no longer.
+  void pass_part(const Step& step);
   void pass_instant(const Step& step);
   // How internal states change with the time where an instant begins, with these accelerations.
   [[nodiscard]] Eigen::VectorXd rates_in_instant(const Step& step, const Eigen::VectorXd& a);

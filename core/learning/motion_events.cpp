@@ -251,12 +251,7 @@ learning::StartGradient MotionDerivatives::Impl::event_backwards(const Step& ste
   internal.begin_changes(1);
   start_time_changes.setZero(1);
   end_time_changes.setOnes(1);
-  if (step.is_instant)
-    pass_instant(step);
-  else
-    step_forwards(step);
-  start_time_changes.resize(0);
-  end_time_changes.resize(0);
+  pass_part(step);
   learned.begin_cotangent();
   learned.add_gradient(sums);
   const VectorXd p = dps.col(0), v = dvs.col(0), z = internal.change(0);

@@ -258,6 +258,15 @@ double MotionDerivatives::Impl::begin_of(const Step& step) const {
   return step.is_instant ? step.until.time - share_of_step * time_step : step.from.time;
 }
 
+void MotionDerivatives::Impl::pass_part(const Step& step) {
+  if (step.is_instant)
+    pass_instant(step);
+  else
+    step_forwards(step);
+  start_time_changes.resize(0);
+  end_time_changes.resize(0);
+}
+
 // No time passes, unless its start and end change.
 void MotionDerivatives::Impl::pass_instant(const Step& step) {
   const sdk::Host& of = host_at_start(step.number - 1, begin_of(step), step.until.time);
@@ -298,12 +307,7 @@ void MotionDerivatives::Impl::part_forwards(const Step& step) {
     start.positions.col(j) = node_of(dps.col(j), step.event->index);
     start.velocities.col(j) = node_of(dvs.col(j), step.event->index);
   }
-  if (step.is_instant)
-    pass_instant(step);
-  else
-    step_forwards(step);
-  start_time_changes.resize(0);
-  end_time_changes.resize(0);
+  pass_part(step);
   event_time_changes.setZero();
   if (step.event == nullptr) return;
 
