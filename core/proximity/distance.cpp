@@ -1,0 +1,186 @@
+#include "proximity/distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace springnet::proximity {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+// Squared sine below which corners of a triangle, or two edges, count as nearly on one line. The formulas for the
+// interior then lose half of the digits or more; edges and ends are tried as well, which are never far from it.
+constexpr double nearly_parallel = 1e-6;
+
+// The closest points found so far. `normal` is perpendicular to both primitives at these; zero if only the difference
+// of the points says so.
+struct Closest {
+  double squared = std::numeric_limits<double>::infinity();  // m^2
+  Vector3 difference = Vector3::Zero();                      // m, first point less second
+  Vector3 normal = Vector3::Zero();                          // of any length
+  Vector3 along = Vector3::Zero();                           // an edge that has one of the points between its ends
+  std::array<double, 4> weights{};
+
+  bool improves(const Vector3& other) {
+    const double now = other.squaredNorm();
+    if (!(now < squared)) return false;
+    squared = now;
+    difference = other;
+    return true;
+  }
+};
+
+// The share of the segment from `a` along `e` at which it is closest to the origin.
+double share_of_segment(const Vector3& a, const Vector3& e) {
+  const double length = e.squaredNorm();
+  return length > 0.0 ? std::clamp(-a.dot(e) / length, 0.0, 1.0) : 0.0;
+}
+
+// A point, as `point` of the four weights, against the segment from node `from` to node `to`. relative: the segment's
+// ends less the point; sign: 1 if the point belongs to the first primitive, else -1.
+void consider_segment(Closest& best, std::size_t point, std::size_t from, std::size_t to, const Vector3& a,
+                      const Vector3& b, double sign) {
+  const Vector3 e = b - a;
+  const double t = share_of_segment(a, e);
+  // From the nearer end, so that a point close to it keeps its digits.
+  const Vector3 to_segment = t <= 0.5 ? Vector3(a + t * e) : Vector3(b - (1.0 - t) * e);
+  if (!best.improves(-sign * to_segment)) return;
+  best.weights = {};
+  best.weights[point] = sign;
+  best.weights[from] = -sign * (1.0 - t);
+  best.weights[to] = -sign * t;
+  best.normal.setZero();
+  best.along = t > 0.0 && t < 1.0 ? e : Vector3(Vector3::Zero());
+}
+
+// A unit vector perpendicular to `e`; UnitX if that is zero.
+Vector3 perpendicular_to(const Vector3& e) {
+  const double largest = e.cwiseAbs().maxCoeff();
+  if (!(largest > 0.0)) return Vector3::UnitX();
+  const Vector3 unit = e / largest;
+  Eigen::Index axis = 0;
+  unit.cwiseAbs().minCoeff(&axis);
+  return unit.cross(Vector3(Vector3::Unit(axis))).normalized();
+}
+
+// extent: m, of the pair; fallback: perpendicular to both primitives if possible, of any length; longest: an edge.
+Separation finish(const Closest& best, double extent, const Vector3& fallback, const Vector3& longest) {
+  Separation found;
+  found.weights = best.weights;
+  found.distance = std::sqrt(best.squared);
+  const bool is_clear = found.distance > 16.0 * epsilon * extent;
+  if (best.normal.squaredNorm() > 0.0 || !is_clear) {
+    // The direction of the difference would be lost in rounding; that of the plane is not.
+    const Vector3 normal = best.normal.squaredNorm() > 0.0 ? best.normal : fallback;
+    if (const double length = normal.norm(); length > 0.0)
+      found.direction = normal / length;
+    else
+      found.direction = perpendicular_to(longest);
+    if (found.direction.dot(best.difference) < 0.0) found.direction = -found.direction;
+    return found;
+  }
+  found.direction = best.difference / found.distance;
+  if (const double length = best.along.squaredNorm(); length > 0.0) {
+    // Perpendicular to the edge to the last digit: both of its ends are equally far in this direction.
+    found.direction -= best.along * (found.direction.dot(best.along) / length);
+    found.direction.normalize();
+  }
+  return found;
+}
+
+double extent_of(const Vector3& a, const Vector3& b, const Vector3& c) {
+  return std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+}
+
+const Vector3& longest_of(const Vector3& a, const Vector3& b) { return a.squaredNorm() >= b.squaredNorm() ? a : b; }
+
+Separation of_nodes(const std::array<Vector3, 4>& x) {
+  Closest best;
+  best.improves(x[0] - x[1]);
+  best.weights = {1.0, -1.0, 0.0, 0.0};
+  return finish(best, 0.0, Vector3::Zero(), Vector3::Zero());
+}
+
+Separation of_node_and_triangle(const std::array<Vector3, 4>& x) {
+  const Vector3 a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];  // from the node
+  const Vector3 ab = x[2] - x[1], ac = x[3] - x[1], bc = x[3] - x[2];
+  const Vector3 normal = ab.cross(ac);
+  const double area = normal.squaredNorm();
+  const bool is_clear = area > nearly_parallel * ab.squaredNorm() * ac.squaredNorm();
+  Closest best;
+  if (area > 0.0) {
+    // Areas of the triangles between the node's projection and the edges, as shares of the whole.
+    const double of_a = b.cross(c).dot(normal) / area, of_b = c.cross(a).dot(normal) / area, of_c = 1.0 - of_a - of_b;
+    if (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0 && best.improves(-(a + of_b * ab + of_c * ac))) {
+      best.weights = {1.0, -of_a, -of_b, -of_c};
+      if (is_clear) {
+        best.normal = normal;
+        const Vector3 across = normal * (-a.dot(normal) / area);  // its part along the normal; the rest is rounding
+        best.difference = across;
+        best.squared = across.squaredNorm();
+      }
+    }
+  }
+  if (!is_clear || !(best.squared < std::numeric_limits<double>::infinity())) {
+    consider_segment(best, 0, 1, 2, a, b, 1.0);
+    consider_segment(best, 0, 2, 3, b, c, 1.0);
+    consider_segment(best, 0, 3, 1, c, a, 1.0);
+  }
+  return finish(best, extent_of(a, b, c), normal, longest_of(longest_of(ab, ac), bc));
+}
+
+Separation of_edges(const std::array<Vector3, 4>& x) {
+  const Vector3 e = x[1] - x[0], f = x[3] - x[2], offset = x[2] - x[0];
+  const Vector3 normal = e.cross(f);
+  const double area = normal.squaredNorm();
+  const bool is_clear = area > nearly_parallel * e.squaredNorm() * f.squaredNorm();
+  Closest best;
+  if (area > 0.0) {
+    // x0 + s e + d = x2 + t f with d along the normal; products with f x normal and e x normal.
+    const double s = offset.cross(f).dot(normal) / area, t = offset.cross(e).dot(normal) / area;
+    if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0 && best.improves(s * e - offset - t * f)) {
+      best.weights = {1.0 - s, s, t - 1.0, -t};
+      if (is_clear) {
+        best.normal = normal;
+        const Vector3 across = normal * (-offset.dot(normal) / area);
+        best.difference = across;
+        best.squared = across.squaredNorm();
+      }
+    }
+  }
+  if (!is_clear || !(best.squared < std::numeric_limits<double>::infinity())) {
+    const Vector3 to_end = x[3] - x[0], from_end = x[2] - x[1], between_ends = x[3] - x[1];
+    consider_segment(best, 0, 2, 3, offset, to_end, 1.0);
+    consider_segment(best, 1, 2, 3, from_end, between_ends, 1.0);
+    consider_segment(best, 2, 0, 1, -offset, -from_end, -1.0);
+    consider_segment(best, 3, 0, 1, -to_end, -between_ends, -1.0);
+  }
+  return finish(best, std::max(extent_of(e, f, offset), (x[3] - x[0]).cwiseAbs().maxCoeff()), normal, longest_of(e, f));
+}
+
+}  // namespace
+
+Separation separation(PairKind kind, const std::array<Vector3, 4>& x) {
+  switch (kind) {
+    case PairKind::node_node:
+      return of_nodes(x);
+    case PairKind::node_triangle:
+      return of_node_and_triangle(x);
+    case PairKind::edge_edge:
+      break;
+  }
+  return of_edges(x);
+}
+
+Separation on_side(const Separation& separation, const Vector3& side) {
+  if (!(separation.direction.dot(side) < 0.0)) return separation;
+  Separation turned = separation;
+  turned.distance = -turned.distance;
+  turned.direction = -turned.direction;
+  return turned;
+}
+
+}  // namespace springnet::proximity

@@ -1,0 +1,33 @@
+// Distances of nodes, triangles and edges, with what forces need of them: the direction, and the weights of the nodes.
+//   gap = distance - thickness,  distance = |d|,  d = sum_i w_i x_i,  d gap / d x_i = w_i n,  n = d / |d|
+// The weights are those of the closest points, which depend on the positions as well, but not to first order: the
+// distance is stationary in them. Closest points as in C. Ericson, Real-Time Collision Detection (2005), section 5.1.
+#pragma once
+
+#include <array>
+
+#include <springnet/network_lists.hpp>
+
+#include "proximity/primitives.hpp"
+
+namespace springnet::proximity {
+
+struct Separation {
+  double distance = 0.0;                 // m; >= 0, unless on_side() made it a signed one
+  Vector3 direction = Vector3::UnitX();  // unit, from the second primitive's closest point to the first's
+  std::array<double, 4> weights{};       // of the nodes: those of the first primitive sum to 1, the second's to -1
+};
+
+// The pair's nodes in the order of PairKind, m; unused places are not read. Coordinates must be finite and their
+// differences below 1e150 m. The distance is exact to some 1e-15 of the pair's extent, for primitives without area or
+// length too. Where it is 0 to within rounding, the direction is that of the triangle's plane, of both edges' common
+// perpendicular or, failing these, one that depends on nothing but the corners.
+[[nodiscard]] Separation separation(PairKind kind, const std::array<Vector3, 4>& x);
+
+// A surface has two sides, and a distance no sign. `side` is the direction of the pair at the start of the step: while
+// the direction stays within a right angle of it, the first primitive has stayed on its side. Beyond, it has gone
+// through; the distance is then made negative and the direction reversed, so that gap and gradient continue smoothly.
+// A pair that turns by more than a right angle around each other within one step looks the same: take short steps.
+[[nodiscard]] Separation on_side(const Separation& separation, const Vector3& side);
+
+}  // namespace springnet::proximity
