@@ -11,8 +11,8 @@ namespace springnet::proximity {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-// Squared sine below which corners of a triangle, or two edges, count as nearly on one line. The formulas for the
-// interior then lose half of the digits or more; edges and ends are tried as well, which are never far from it.
+// Squared sine below which corners of a triangle, or two edges, count as nearly on one line. The weights of points
+// between the edges then lose digits; edges and ends are tried as well, which are never far.
 constexpr double nearly_parallel = 1e-6;
 
 // The closest points found so far. `normal` is perpendicular to both primitives at these; zero if only the difference
@@ -66,6 +66,13 @@ Vector3 perpendicular_to(const Vector3& e) {
   return unit.cross(Vector3(Vector3::Unit(axis))).normalized();
 }
 
+// A unit vector, nearly perpendicular to `e`, made so to the last digit: both ends of the edge are then equally far in
+// this direction. As it is if e is zero.
+Vector3 perpendicular_to(const Vector3& e, const Vector3& unit) {
+  const double length = e.squaredNorm();
+  return length > 0.0 ? Vector3(unit - e * (unit.dot(e) / length)).normalized() : unit;
+}
+
 // extent: m, of the pair; fallback: perpendicular to both primitives if possible, of any length; longest: an edge.
 Separation finish(const Closest& best, double extent, const Vector3& fallback, const Vector3& longest) {
   Separation found;
@@ -76,18 +83,14 @@ Separation finish(const Closest& best, double extent, const Vector3& fallback, c
     // The direction of the difference would be lost in rounding; that of the plane is not.
     const Vector3 normal = best.normal.squaredNorm() > 0.0 ? best.normal : fallback;
     if (const double length = normal.norm(); length > 0.0)
-      found.direction = normal / length;
+      found.direction = perpendicular_to(longest, normal / length);
     else
       found.direction = perpendicular_to(longest);
     if (found.direction.dot(best.difference) < 0.0) found.direction = -found.direction;
     return found;
   }
   found.direction = best.difference / found.distance;
-  if (const double length = best.along.squaredNorm(); length > 0.0) {
-    // Perpendicular to the edge to the last digit: both of its ends are equally far in this direction.
-    found.direction -= best.along * (found.direction.dot(best.along) / length);
-    found.direction.normalize();
-  }
+  found.direction = perpendicular_to(best.along, found.direction);
   return found;
 }
 
@@ -116,8 +119,8 @@ Separation of_node_and_triangle(const std::array<Vector3, 4>& x) {
     const double of_a = b.cross(c).dot(normal) / area, of_b = c.cross(a).dot(normal) / area, of_c = 1.0 - of_a - of_b;
     if (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0 && best.improves(-(a + of_b * ab + of_c * ac))) {
       best.weights = {1.0, -of_a, -of_b, -of_c};
+      best.normal = normal;
       if (is_clear) {
-        best.normal = normal;
         const Vector3 across = normal * (-a.dot(normal) / area);  // its part along the normal; the rest is rounding
         best.difference = across;
         best.squared = across.squaredNorm();
@@ -143,8 +146,8 @@ Separation of_edges(const std::array<Vector3, 4>& x) {
     const double s = offset.cross(f).dot(normal) / area, t = offset.cross(e).dot(normal) / area;
     if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0 && best.improves(s * e - offset - t * f)) {
       best.weights = {1.0 - s, s, t - 1.0, -t};
+      best.normal = normal;
       if (is_clear) {
-        best.normal = normal;
         const Vector3 across = normal * (-offset.dot(normal) / area);
         best.difference = across;
         best.squared = across.squaredNorm();

@@ -12,6 +12,7 @@ namespace {
 // Spans that are tried before the search gives up and reports the time it has come to. Where the closest distance
 // exceeds what it is watched against by the tolerance, some 100 suffice.
 constexpr int most_spans = 2000;
+constexpr double least_span = 1e-16;
 
 class MovingPair {
  public:
@@ -126,7 +127,7 @@ std::optional<Meeting> first_meeting(PairKind kind, const std::array<Vector3, 4>
         continue;
       }
       span = 0.5 * (next - time);
-      if (time + span > clear) continue;
+      if (time + span > clear && span > least_span) continue;
     }
     if (!(clear > time)) break;  // rounding hides the plane between the primitives
     span = std::max(span, 2.0 * (clear - time));

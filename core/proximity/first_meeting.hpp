@@ -41,9 +41,9 @@ struct Meeting {
 // it starts with, so that it may separate, slide and approach, but not go through.
 //
 // Until the time that is returned, the distance is greater than what it is watched against; at this time, it is greater
-// by the tolerance at most, the larger of 1e-4 of the thickness and 1e-12 of the pair's extent with its motion. (For
-// triangles and pairs of edges that are degenerate within 1e-3 rad it may be more, as rounding goes: 1e-9 of the
-// extent.) Empty if there is no such time, or if a coordinate is not finite.
+// by the tolerance at most, the larger of 1e-4 of the thickness and 1e-12 of the pair's extent with its motion. Where
+// rounding hides the plane between primitives that are degenerate, the search ends earlier, at a time that is sound.
+// Empty if there is no such time, or if a coordinate is not finite.
 [[nodiscard]] std::optional<Meeting> first_meeting(PairKind kind, const std::array<Vector3, 4>& start,
                                                    const std::array<Vector3, 4>& end, double thickness);
 

@@ -88,6 +88,7 @@ void Primitives::collect_groups() {
       if (kind == PairKind::node_node       ? checked.node_node
           : kind == PairKind::node_triangle ? checked.node_triangle
                                             : checked.edge_edge) {
+        checks_any_[static_cast<std::size_t>(kind)] = true;
         set(kind, checked.a, checked.b);
         set(kind, checked.b, checked.a);
       }
@@ -101,20 +102,22 @@ bool Primitives::are_joined(NodeIndex a, NodeIndex b) const {
 bool Primitives::may_touch(PairKind kind, Pair pair) const {
   switch (kind) {
     case PairKind::node_node: {
-      const NodeIndex a = lists_.balls[pair.first].node, b = lists_.balls[pair.second].node;
-      return a != b && !are_joined(a, b);
+      const Ball &a = lists_.balls[pair.first], &b = lists_.balls[pair.second];
+      return checks(kind, a.group, b.group) && !are_joined(a.node, b.node);
     }
     case PairKind::node_triangle: {
-      const NodeIndex p = lists_.balls[pair.first].node;
-      const auto& corner = lists_.triangles[pair.second].nodes;
-      return p != corner[0] && p != corner[1] && p != corner[2];
+      const Ball& ball = lists_.balls[pair.first];
+      const Triangle& triangle = lists_.triangles[pair.second];
+      const auto& corner = triangle.nodes;
+      return ball.node != corner[0] && ball.node != corner[1] && ball.node != corner[2] &&
+             checks(kind, ball.group, triangle.group);
     }
     case PairKind::edge_edge:
       break;
   }
-  const auto& a = lists_.edges[pair.first].nodes;
-  const auto& b = lists_.edges[pair.second].nodes;
-  return a[0] != b[0] && a[0] != b[1] && a[1] != b[0] && a[1] != b[1];
+  const Edge &a = lists_.edges[pair.first], &b = lists_.edges[pair.second];
+  return a.nodes[0] != b.nodes[0] && a.nodes[0] != b.nodes[1] && a.nodes[1] != b.nodes[0] && a.nodes[1] != b.nodes[1] &&
+         checks(kind, a.group, b.group);
 }
 
 double Primitives::thickness(PairKind kind, Pair pair) const {

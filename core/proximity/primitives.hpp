@@ -109,7 +109,8 @@ class Primitives {
   }
   // Bit g % 32 is set if a group g is checked against this one.
   [[nodiscard]] std::uint32_t partner_mask(PairKind kind, Group group) const { return masks_[index(kind, group)]; }
-  // They share no node and, if they are balls, no spring joins them.
+  [[nodiscard]] bool checks_any(PairKind kind) const { return checks_any_[static_cast<std::size_t>(kind)]; }
+  // Their groups are checked, they share no node and, if they are balls, no spring joins them.
   [[nodiscard]] bool may_touch(PairKind kind, Pair pair) const;
 
   [[nodiscard]] double thickness(PairKind kind, Pair pair) const;  // m
@@ -129,6 +130,7 @@ class Primitives {
   std::size_t groups_ = 0;
   std::vector<std::vector<std::uint64_t>> partners_;  // [kind, group]: a bit for each group
   std::vector<std::uint32_t> masks_;                  // [kind, group]
+  std::array<bool, 3> checks_any_{};
 };
 
 // Each edge of the triangles once, in ascending order, with radius and group of the first triangle that has it.

@@ -115,8 +115,7 @@ TEST_CASE("weights and direction are the derivative of the distance") {
         Corners after = x, before = x;
         after[k][axis] += h;
         before[k][axis] -= h;
-        const double quotient =
-            (separation(kind, after).distance - separation(kind, before).distance) / (2.0 * h);
+        const double quotient = (separation(kind, after).distance - separation(kind, before).distance) / (2.0 * h);
         // The gradient changes by h times a curvature: of 1 / distance <= 20, times that of edges of about 1 m.
         CHECK(std::abs(quotient - found.weights[k] * found.direction[axis]) <= 2e-5);
       }
@@ -131,8 +130,7 @@ TEST_CASE("pairs at distance 0 have a direction that depends on their corners al
   const Vector3 in_face = separation(PairKind::node_triangle, {Vector3(1, 1, 0), a, b, c}).direction;
   CHECK(in_face.cwiseAbs() == Vector3(0, 0, 1));
   CHECK(separation(PairKind::node_triangle, {b, a, b, c}).direction.cwiseAbs() == Vector3(0, 0, 1));
-  const Vector3 crossing =
-      separation(PairKind::edge_edge, {a, b, Vector3(1, -1, 0), Vector3(1, 1, 0)}).direction;
+  const Vector3 crossing = separation(PairKind::edge_edge, {a, b, Vector3(1, -1, 0), Vector3(1, 1, 0)}).direction;
   CHECK(crossing.cwiseAbs() == Vector3(0, 0, 1));
   const Vector3 on_line = separation(PairKind::edge_edge, {a, b, Vector3(2, 0, 0), Vector3(6, 0, 0)}).direction;
   CHECK(std::abs(on_line.x()) <= 1e-16);  // perpendicular to both

@@ -1,0 +1,158 @@
+// A tree of boxes around primitives, which finds the pairs that overlap. Items are halved at the median of their
+// centres along the longest side, groups first: depth and memory depend on the number of items alone, wherever they lie
+// and however large they are. Where nodes move, boxes are fitted anew into the same tree, which takes linear time; a
+// tree whose boxes have come to overlap is built anew.
+//
+// Branches lie in the order of a walk that visits a branch before its parts. `after` of each says where to go on if its
+// box is not overlapped, so that a walk needs no stack. (C. Ericson, Real-Time Collision Detection (2005), section 6.6)
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <springnet/network_lists.hpp>
+
+#include "proximity/primitives.hpp"
+
+namespace springnet::proximity {
+
+struct Box {
+  std::array<double, 3> low, high;  // m
+
+  // No branches: the outcome of each comparison is a coin's.
+  [[nodiscard]] bool overlaps(const Box& other) const {
+    return static_cast<int>(low[0] <= other.high[0]) & static_cast<int>(other.low[0] <= high[0]) &
+           static_cast<int>(low[1] <= other.high[1]) & static_cast<int>(other.low[1] <= high[1]) &
+           static_cast<int>(low[2] <= other.high[2]) & static_cast<int>(other.low[2] <= high[2]);
+  }
+  void include(const Box& other);
+  void include(const Vector3& point);
+  // Sum of the sides, m: half the expected number of random planes that cut it.
+  [[nodiscard]] double size() const { return high[0] - low[0] + high[1] - low[1] + high[2] - low[2]; }
+  [[nodiscard]] static Box empty();
+};
+
+// Counts comparisons of leaves, and stops a search that takes far more than meshes do. Throws Error (simulation).
+class Effort {
+ public:
+  explicit Effort(std::uint64_t most) : left_(most) {}
+  void spend() {
+    if (left_-- == 0) stop();
+  }
+
+ private:
+  [[noreturn]] static void stop();
+  std::uint64_t left_;
+};
+
+class BoxTree {
+ public:
+  static constexpr std::uint32_t leaf_items = 4;
+
+  // boxes: [items], of finite numbers; groups: [items]. Items are numbered as they lie here.
+  void build(std::span<const Box> boxes, std::span<const Group> groups);
+  // The same items elsewhere.
+  void refit(std::span<const Box> boxes);
+  [[nodiscard]] bool is_built_for(std::size_t items) const noexcept { return slots_.size() == items && items > 0; }
+  // Boxes overlap so much more than when it was built that it should be built anew.
+  [[nodiscard]] bool is_worn() const noexcept { return size_ > 2.0 * size_when_built_; }
+
+  // Calls visit(first, second) for each pair of items of two trees whose boxes overlap and whose groups may be checked:
+  // bit g % 32 of partners(group) is set for each partner g of a group. Leaves from `begin` to `end` of `first`, of
+  // leaves(): parts may be given to threads.
+  template <class Partners, class Visit>
+  static void for_overlaps(const BoxTree& first, std::size_t begin, std::size_t end, const BoxTree& second,
+                           const Partners& partners, Effort& effort, const Visit& visit);
+  // The same within one tree, each pair once, the lower number first.
+  template <class Partners, class Visit>
+  void for_own_overlaps(std::size_t begin, std::size_t end, const Partners& partners, Effort& effort,
+                        const Visit& visit) const;
+  [[nodiscard]] std::size_t leaves() const noexcept { return leaves_.size(); }
+
+ private:
+  struct Branch {
+    Box box;
+    std::uint32_t groups;      // bit g % 32 is set for each group g below
+    std::uint32_t after;       // the next branch that is not below this one
+    std::uint32_t begin, end;  // slots of a leaf; empty otherwise
+    [[nodiscard]] bool is_leaf() const noexcept { return begin != end; }
+  };
+  struct Slot {
+    Box box;
+    std::uint32_t item;
+    Group group;
+  };
+
+  void split(std::uint32_t begin, std::uint32_t end, std::span<const Vector3> centres);
+  [[nodiscard]] std::uint32_t middle_of(std::uint32_t begin, std::uint32_t end, std::span<const Vector3> centres);
+  template <class Partners>
+  [[nodiscard]] std::uint32_t partners_of(const Branch& leaf, const Partners& partners) const {
+    std::uint32_t mask = 0;
+    for (std::uint32_t s = leaf.begin; s < leaf.end; ++s) mask |= partners(slots_[s].group);
+    return mask;
+  }
+  // Walks over the branches from `from` on that overlap a leaf's box.
+  template <class VisitLeaf>
+  void walk(std::size_t from, const Box& box, std::uint32_t mask, const VisitLeaf& visit) const {
+    for (std::size_t b = from; b < branches_.size();) {
+      const Branch& branch = branches_[b];
+      if ((branch.groups & mask) == 0 || !branch.box.overlaps(box)) {
+        b = branch.after;
+        continue;
+      }
+      if (branch.is_leaf()) visit(branch);
+      ++b;
+    }
+  }
+
+  std::vector<Branch> branches_;
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> leaves_;  // branches that are leaves
+  double size_ = 0.0, size_when_built_ = 0.0;
+};
+
+template <class Partners, class Visit>
+void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t end, const BoxTree& second,
+                           const Partners& partners, Effort& effort, const Visit& visit) {
+  for (std::size_t l = begin; l < end; ++l) {
+    const Branch& leaf = first.branches_[first.leaves_[l]];
+    second.walk(0, leaf.box, first.partners_of(leaf, partners), [&](const Branch& other) {
+      effort.spend();
+      for (std::uint32_t s = leaf.begin; s < leaf.end; ++s) {
+        const Slot& own = first.slots_[s];
+        if (!own.box.overlaps(other.box)) continue;
+        for (std::uint32_t t = other.begin; t < other.end; ++t)
+          if (own.box.overlaps(second.slots_[t].box)) visit(own.item, second.slots_[t].item);
+      }
+    });
+  }
+}
+
+template <class Partners, class Visit>
+void BoxTree::for_own_overlaps(std::size_t begin, std::size_t end, const Partners& partners, Effort& effort,
+                               const Visit& visit) const {
+  const auto meet = [&visit](const Slot& a, const Slot& b) {
+    if (!a.box.overlaps(b.box)) return;
+    if (a.item < b.item)
+      visit(a.item, b.item);
+    else
+      visit(b.item, a.item);
+  };
+  for (std::size_t l = begin; l < end; ++l) {
+    const Branch& leaf = branches_[leaves_[l]];
+    for (std::uint32_t s = leaf.begin; s < leaf.end; ++s)
+      for (std::uint32_t t = s + 1; t < leaf.end; ++t) meet(slots_[s], slots_[t]);
+    // All leaves that come later.
+    walk(std::size_t{leaves_[l]} + 1, leaf.box, partners_of(leaf, partners), [&](const Branch& other) {
+      effort.spend();
+      for (std::uint32_t s = leaf.begin; s < leaf.end; ++s)
+        if (slots_[s].box.overlaps(other.box))
+          for (std::uint32_t t = other.begin; t < other.end; ++t) meet(slots_[s], slots_[t]);
+    });
+  }
+}
+
+}  // namespace springnet::proximity
