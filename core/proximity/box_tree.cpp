@@ -38,6 +38,7 @@ void Effort::stop() {
 void BoxTree::build(std::span<const Box> boxes, std::span<const Group> groups) {
   const auto items = static_cast<std::uint32_t>(boxes.size());
   slots_.resize(items);
+  group_of_.assign(groups.begin(), groups.end());
   branches_.clear();
   leaves_.clear();
   std::vector<Vector3> centres(items);
@@ -79,12 +80,16 @@ std::uint32_t BoxTree::middle_of(std::uint32_t begin, std::uint32_t end, std::sp
 
 void BoxTree::split(std::uint32_t begin, std::uint32_t end, std::span<const Vector3> centres) {
   const auto place = static_cast<std::uint32_t>(branches_.size());
-  branches_.push_back({Box::empty(), 0, 0, 0, 0});
+  branches_.push_back({Box::empty(), 0, 0, none});
   if (end - begin <= leaf_items) {
-    branches_[place].begin = begin;
-    branches_[place].end = end;
-    leaves_.push_back(place);
-    for (std::uint32_t s = begin; s < end; ++s) branches_[place].groups |= std::uint32_t{1} << (slots_[s].group % 32);
+    branches_[place].leaf = static_cast<std::uint32_t>(leaves_.size());
+    Leaf& leaf = leaves_.emplace_back();
+    leaf.count = end - begin;
+    leaf.branch = place;
+    for (std::uint32_t s = begin; s < end; ++s) {
+      leaf.item[s - begin] = slots_[s].item;
+      branches_[place].groups |= std::uint32_t{1} << (slots_[s].group % 32);
+    }
   } else {
     const std::uint32_t middle = middle_of(begin, end, centres);
     split(begin, middle, centres);
@@ -96,13 +101,20 @@ void BoxTree::split(std::uint32_t begin, std::uint32_t end, std::span<const Vect
 }
 
 void BoxTree::refit(std::span<const Box> boxes) {
-  for (Slot& slot : slots_) slot.box = boxes[slot.item];
   size_ = 0.0;
   for (std::size_t b = branches_.size(); b-- > 0;) {
     Branch& branch = branches_[b];
     branch.box = Box::empty();
     if (branch.is_leaf()) {
-      for (std::uint32_t s = branch.begin; s < branch.end; ++s) branch.box.include(slots_[s].box);
+      Leaf& leaf = leaves_[branch.leaf];
+      for (std::uint32_t i = 0; i < leaf_items; ++i) {
+        const Box box = i < leaf.count ? boxes[leaf.item[i]] : Box::empty();
+        for (std::size_t k = 0; k < 3; ++k) {
+          leaf.low[k][i] = box.low[k];
+          leaf.high[k][i] = box.high[k];
+        }
+        branch.box.include(box);
+      }
     } else {
       branch.box.include(branches_[b + 1].box);
       branch.box.include(branches_[branches_[b + 1].after].box);

@@ -7,7 +7,9 @@
 // box is not overlapped, so that a walk needs no stack. (C. Ericson, Real-Time Collision Detection (2005), section 6.6)
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -50,13 +52,13 @@ class Effort {
 
 class BoxTree {
  public:
-  static constexpr std::uint32_t leaf_items = 4;
+  static constexpr std::uint32_t leaf_items = 8;
 
   // boxes: [items], of finite numbers; groups: [items]. Items are numbered as they lie here.
   void build(std::span<const Box> boxes, std::span<const Group> groups);
   // The same items elsewhere.
   void refit(std::span<const Box> boxes);
-  [[nodiscard]] bool is_built_for(std::size_t items) const noexcept { return slots_.size() == items && items > 0; }
+  [[nodiscard]] bool is_built_for(std::size_t items) const noexcept { return group_of_.size() == items && items > 0; }
   // Boxes overlap so much more than when it was built that it should be built anew.
   [[nodiscard]] bool is_worn() const noexcept { return size_ > 2.0 * size_when_built_; }
 
@@ -75,13 +77,36 @@ class BoxTree {
  private:
   struct Branch {
     Box box;
-    std::uint32_t groups;      // bit g % 32 is set for each group g below
-    std::uint32_t after;       // the next branch that is not below this one
-    std::uint32_t begin, end;  // slots of a leaf; empty otherwise
-    [[nodiscard]] bool is_leaf() const noexcept { return begin != end; }
+    std::uint32_t groups;  // bit g % 32 is set for each group g below
+    std::uint32_t after;   // the next branch that is not below this one
+    std::uint32_t leaf;    // index of a leaf; none otherwise
+    [[nodiscard]] bool is_leaf() const noexcept { return leaf != none; }
+  };
+  static constexpr std::uint32_t none = 0xffffffff;
+  // Boxes side by side, so that one is compared with all at once. Places without an item have an empty box.
+  struct Leaf {
+    double low[3][leaf_items], high[3][leaf_items];  // m
+    std::uint32_t item[leaf_items];
+    std::uint32_t count, branch;
+
+    [[nodiscard]] Box box(std::size_t i) const {
+      return {{low[0][i], low[1][i], low[2][i]}, {high[0][i], high[1][i], high[2][i]}};
+    }
+    // Bit i is set if box i overlaps `other`.
+    [[nodiscard]] std::uint32_t overlapping(const Box& other) const {
+      double apart[leaf_items];  // m: the greatest distance along an axis
+      for (std::size_t i = 0; i < leaf_items; ++i) {
+        const double x = std::max(low[0][i] - other.high[0], other.low[0] - high[0][i]);
+        const double y = std::max(low[1][i] - other.high[1], other.low[1] - high[1][i]);
+        const double z = std::max(low[2][i] - other.high[2], other.low[2] - high[2][i]);
+        apart[i] = std::max(std::max(x, y), z);
+      }
+      std::uint32_t bits = 0;
+      for (std::size_t i = 0; i < leaf_items; ++i) bits |= static_cast<std::uint32_t>(apart[i] <= 0.0) << i;
+      return bits;
+    }
   };
   struct Slot {
-    Box box;
     std::uint32_t item;
     Group group;
   };
@@ -89,9 +114,9 @@ class BoxTree {
   void split(std::uint32_t begin, std::uint32_t end, std::span<const Vector3> centres);
   [[nodiscard]] std::uint32_t middle_of(std::uint32_t begin, std::uint32_t end, std::span<const Vector3> centres);
   template <class Partners>
-  [[nodiscard]] std::uint32_t partners_of(const Branch& leaf, const Partners& partners) const {
+  [[nodiscard]] std::uint32_t partners_of(const Leaf& leaf, const Partners& partners) const {
     std::uint32_t mask = 0;
-    for (std::uint32_t s = leaf.begin; s < leaf.end; ++s) mask |= partners(slots_[s].group);
+    for (std::uint32_t i = 0; i < leaf.count; ++i) mask |= partners(group_of_[leaf.item[i]]);
     return mask;
   }
   // Walks over the branches from `from` on that overlap a leaf's box.
@@ -103,14 +128,15 @@ class BoxTree {
         b = branch.after;
         continue;
       }
-      if (branch.is_leaf()) visit(branch);
+      if (branch.is_leaf()) visit(leaves_[branch.leaf]);
       ++b;
     }
   }
 
   std::vector<Branch> branches_;
   std::vector<Slot> slots_;
-  std::vector<std::uint32_t> leaves_;  // branches that are leaves
+  std::vector<Leaf> leaves_;
+  std::vector<Group> group_of_;  // [items]
   double size_ = 0.0, size_when_built_ = 0.0;
 };
 
@@ -118,14 +144,15 @@ template <class Partners, class Visit>
 void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t end, const BoxTree& second,
                            const Partners& partners, Effort& effort, const Visit& visit) {
   for (std::size_t l = begin; l < end; ++l) {
-    const Branch& leaf = first.branches_[first.leaves_[l]];
-    second.walk(0, leaf.box, first.partners_of(leaf, partners), [&](const Branch& other) {
+    const Leaf& leaf = first.leaves_[l];
+    const Box& around = first.branches_[leaf.branch].box;
+    second.walk(0, around, first.partners_of(leaf, partners), [&](const Leaf& other) {
       effort.spend();
-      for (std::uint32_t s = leaf.begin; s < leaf.end; ++s) {
-        const Slot& own = first.slots_[s];
-        if (!own.box.overlaps(other.box)) continue;
-        for (std::uint32_t t = other.begin; t < other.end; ++t)
-          if (own.box.overlaps(second.slots_[t].box)) visit(own.item, second.slots_[t].item);
+      // Of the leaf, those that are near the other one.
+      for (std::uint32_t near = leaf.overlapping(second.branches_[other.branch].box); near != 0; near &= near - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(near));
+        for (std::uint32_t hit = other.overlapping(leaf.box(i)); hit != 0; hit &= hit - 1)
+          visit(leaf.item[i], other.item[std::countr_zero(hit)]);
       }
     });
   }
@@ -134,23 +161,25 @@ void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t 
 template <class Partners, class Visit>
 void BoxTree::for_own_overlaps(std::size_t begin, std::size_t end, const Partners& partners, Effort& effort,
                                const Visit& visit) const {
-  const auto meet = [&visit](const Slot& a, const Slot& b) {
-    if (!a.box.overlaps(b.box)) return;
-    if (a.item < b.item)
-      visit(a.item, b.item);
+  const auto visit_in_order = [&visit](std::uint32_t a, std::uint32_t b) {
+    if (a < b)
+      visit(a, b);
     else
-      visit(b.item, a.item);
+      visit(b, a);
   };
   for (std::size_t l = begin; l < end; ++l) {
-    const Branch& leaf = branches_[leaves_[l]];
-    for (std::uint32_t s = leaf.begin; s < leaf.end; ++s)
-      for (std::uint32_t t = s + 1; t < leaf.end; ++t) meet(slots_[s], slots_[t]);
+    const Leaf& leaf = leaves_[l];
+    for (std::uint32_t i = 0; i < leaf.count; ++i)
+      for (std::uint32_t hit = leaf.overlapping(leaf.box(i)) >> i >> 1; hit != 0; hit &= hit - 1)
+        visit_in_order(leaf.item[i], leaf.item[i + 1 + static_cast<std::uint32_t>(std::countr_zero(hit))]);
     // All leaves that come later.
-    walk(std::size_t{leaves_[l]} + 1, leaf.box, partners_of(leaf, partners), [&](const Branch& other) {
+    walk(std::size_t{leaf.branch} + 1, branches_[leaf.branch].box, partners_of(leaf, partners), [&](const Leaf& other) {
       effort.spend();
-      for (std::uint32_t s = leaf.begin; s < leaf.end; ++s)
-        if (slots_[s].box.overlaps(other.box))
-          for (std::uint32_t t = other.begin; t < other.end; ++t) meet(slots_[s], slots_[t]);
+      for (std::uint32_t near = leaf.overlapping(branches_[other.branch].box); near != 0; near &= near - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(near));
+        for (std::uint32_t hit = other.overlapping(leaf.box(i)); hit != 0; hit &= hit - 1)
+          visit_in_order(leaf.item[i], other.item[std::countr_zero(hit)]);
+      }
     });
   }
 }

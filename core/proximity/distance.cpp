@@ -24,6 +24,10 @@ struct Closest {
   Vector3 along = Vector3::Zero();                           // an edge that has one of the points between its ends
   std::array<double, 4> weights{};
 
+  void replace(const Vector3& other) {
+    difference = other;
+    squared = other.squaredNorm();
+  }
   bool improves(const Vector3& other) {
     const double now = other.squaredNorm();
     if (!(now < squared)) return false;
@@ -113,53 +117,72 @@ Separation of_node_and_triangle(const std::array<Vector3, 4>& x) {
   const Vector3 normal = ab.cross(ac);
   const double area = normal.squaredNorm();
   const bool is_clear = area > nearly_parallel * ab.squaredNorm() * ac.squaredNorm();
+  // Areas of the triangles between the node's projection and the edges, as shares of the whole.
+  const double of_a = area > 0.0 ? b.cross(c).dot(normal) / area : -1.0;
+  const double of_b = area > 0.0 ? c.cross(a).dot(normal) / area : -1.0;
+  const double of_c = 1.0 - of_a - of_b;
   Closest best;
-  if (area > 0.0) {
-    // Areas of the triangles between the node's projection and the edges, as shares of the whole.
-    const double of_a = b.cross(c).dot(normal) / area, of_b = c.cross(a).dot(normal) / area, of_c = 1.0 - of_a - of_b;
-    if (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0 && best.improves(-(a + of_b * ab + of_c * ac))) {
-      best.weights = {1.0, -of_a, -of_b, -of_c};
-      best.normal = normal;
-      if (is_clear) {
-        const Vector3 across = normal * (-a.dot(normal) / area);  // its part along the normal; the rest is rounding
-        best.difference = across;
-        best.squared = across.squaredNorm();
-      }
-    }
+  if (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0) {
+    best.improves(-(a + of_b * ab + of_c * ac));
+    best.weights = {1.0, -of_a, -of_b, -of_c};
+    best.normal = normal;
+    if (is_clear) best.replace(normal * (-a.dot(normal) / area));  // the rest of the difference is rounding
   }
-  if (!is_clear || !(best.squared < std::numeric_limits<double>::infinity())) {
-    consider_segment(best, 0, 1, 2, a, b, 1.0);
-    consider_segment(best, 0, 2, 3, b, c, 1.0);
-    consider_segment(best, 0, 3, 1, c, a, 1.0);
-  }
+  // A point outside of the triangle is outside of the edge that is closest to it, unless the areas are rounding.
+  if (of_c < 0.0 || !is_clear) consider_segment(best, 0, 1, 2, a, b, 1.0);
+  if (of_a < 0.0 || !is_clear) consider_segment(best, 0, 2, 3, b, c, 1.0);
+  if (of_b < 0.0 || !is_clear) consider_segment(best, 0, 3, 1, c, a, 1.0);
   return finish(best, extent_of(a, b, c), normal, longest_of(longest_of(ab, ac), bc));
+}
+
+// Edges whose directions differ clearly. The closest points of both lines; if one is beyond an end, the point of the
+// other edge that is closest to this end, and so back (Ericson, section 5.1.9).
+void consider_clear_edges(Closest& best, const Vector3& e, const Vector3& f, const Vector3& offset,
+                          const Vector3& normal, double area) {
+  const double s_line = offset.cross(f).dot(normal) / area, t_line = offset.cross(e).dot(normal) / area;
+  if (s_line >= 0.0 && s_line <= 1.0 && t_line >= 0.0 && t_line <= 1.0) {
+    best.improves(normal * (-offset.dot(normal) / area));
+    best.weights = {1.0 - s_line, s_line, t_line - 1.0, -t_line};
+    best.normal = normal;
+    return;
+  }
+  double s = std::clamp(s_line, 0.0, 1.0);
+  const double t_for_s = (s * e - offset).dot(f) / f.squaredNorm(), t = std::clamp(t_for_s, 0.0, 1.0);
+  if (t != t_for_s) s = std::clamp((offset + t * f).dot(e) / e.squaredNorm(), 0.0, 1.0);
+  best.improves(s * e - offset - t * f);
+  best.weights = {1.0 - s, s, t - 1.0, -t};
+  if (s > 0.0 && s < 1.0)
+    best.along = e;
+  else if (t > 0.0 && t < 1.0)
+    best.along = f;
+}
+
+// Edges that are nearly parallel, or without length.
+void consider_ends(Closest& best, const std::array<Vector3, 4>& x) {
+  const Vector3 offset = x[2] - x[0], to_end = x[3] - x[0], from_end = x[2] - x[1], between_ends = x[3] - x[1];
+  consider_segment(best, 0, 2, 3, offset, to_end, 1.0);
+  consider_segment(best, 1, 2, 3, from_end, between_ends, 1.0);
+  consider_segment(best, 2, 0, 1, -offset, -from_end, -1.0);
+  consider_segment(best, 3, 0, 1, -to_end, -between_ends, -1.0);
 }
 
 Separation of_edges(const std::array<Vector3, 4>& x) {
   const Vector3 e = x[1] - x[0], f = x[3] - x[2], offset = x[2] - x[0];
   const Vector3 normal = e.cross(f);
   const double area = normal.squaredNorm();
-  const bool is_clear = area > nearly_parallel * e.squaredNorm() * f.squaredNorm();
   Closest best;
-  if (area > 0.0) {
-    // x0 + s e + d = x2 + t f with d along the normal; products with f x normal and e x normal.
-    const double s = offset.cross(f).dot(normal) / area, t = offset.cross(e).dot(normal) / area;
-    if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0 && best.improves(s * e - offset - t * f)) {
-      best.weights = {1.0 - s, s, t - 1.0, -t};
-      best.normal = normal;
-      if (is_clear) {
-        const Vector3 across = normal * (-offset.dot(normal) / area);
-        best.difference = across;
-        best.squared = across.squaredNorm();
+  if (area > nearly_parallel * e.squaredNorm() * f.squaredNorm()) {
+    consider_clear_edges(best, e, f, offset, normal, area);
+  } else {
+    if (area > 0.0) {
+      const double s = offset.cross(f).dot(normal) / area, t = offset.cross(e).dot(normal) / area;
+      if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
+        best.improves(s * e - offset - t * f);
+        best.weights = {1.0 - s, s, t - 1.0, -t};
+        best.normal = normal;
       }
     }
-  }
-  if (!is_clear || !(best.squared < std::numeric_limits<double>::infinity())) {
-    const Vector3 to_end = x[3] - x[0], from_end = x[2] - x[1], between_ends = x[3] - x[1];
-    consider_segment(best, 0, 2, 3, offset, to_end, 1.0);
-    consider_segment(best, 1, 2, 3, from_end, between_ends, 1.0);
-    consider_segment(best, 2, 0, 1, -offset, -from_end, -1.0);
-    consider_segment(best, 3, 0, 1, -to_end, -between_ends, -1.0);
+    consider_ends(best, x);
   }
   return finish(best, std::max(extent_of(e, f, offset), (x[3] - x[0]).cwiseAbs().maxCoeff()), normal, longest_of(e, f));
 }
@@ -176,6 +199,23 @@ Separation separation(PairKind kind, const std::array<Vector3, 4>& x) {
       break;
   }
   return of_edges(x);
+}
+
+bool is_surely_beyond(PairKind kind, const std::array<Vector3, 4>& x, double reach) {
+  // A product of a direction and a difference exceeds what is asked for, beyond rounding.
+  const auto exceeds = [reach](double product, double squared_direction) {
+    return product > 0.0 && product * product > (1.0 + 1e-9) * reach * reach * squared_direction;
+  };
+  if (kind == PairKind::node_node) return (x[0] - x[1]).squaredNorm() > (1.0 + 1e-9) * reach * reach;
+  if (kind == PairKind::node_triangle) {
+    const Vector3 a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0], middle = (a + b + c) / 3.0;
+    return exceeds(std::min({middle.dot(a), middle.dot(b), middle.dot(c)}), middle.squaredNorm());
+  }
+  const Vector3 e = x[1] - x[0], f = x[3] - x[2], middle = (x[2] - x[0]) + 0.5 * (f - e);
+  const double along = middle.squaredNorm();
+  if (exceeds(along - 0.5 * (std::abs(middle.dot(e)) + std::abs(middle.dot(f))), along)) return true;
+  const Vector3 normal = e.cross(f);
+  return exceeds(std::abs(normal.dot(middle)), normal.squaredNorm());
 }
 
 Separation on_side(const Separation& separation, const Vector3& side) {

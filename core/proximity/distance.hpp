@@ -24,6 +24,10 @@ struct Separation {
 // perpendicular or, failing these, one that depends on nothing but the corners.
 [[nodiscard]] Separation separation(PairKind kind, const std::array<Vector3, 4>& x);
 
+// True only if the distance is greater than `reach` (m, >= 0), and for most pairs for which it is: a plane across the
+// line between the middles of both primitives, or along both edges, is between them. A third of the cost of a distance.
+[[nodiscard]] bool is_surely_beyond(PairKind kind, const std::array<Vector3, 4>& x, double reach);
+
 // A surface has two sides, and a distance no sign. `side` is the direction of the pair at the start of the step: while
 // the direction stays within a right angle of it, the first primitive has stayed on its side. Beyond, it has gone
 // through; the distance is then made negative and the direction reversed, so that gap and gradient continue smoothly.

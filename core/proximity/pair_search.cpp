@@ -144,7 +144,8 @@ void PairSearch::find(const Positions& start, const Positions& end, double margi
       const auto corners = primitives_->corners(kind, pair, start);
       double reach = primitives_->thickness(kind, pair) + margin;
       if (moves) reach += relative_motion(kind, corners, primitives_->corners(kind, pair, end));
-      if (separation(kind, corners).distance > reach * (1.0 + 1e-9)) return;  // rounding of both
+      reach *= 1.0 + 1e-9;  // rounding
+      if (is_surely_beyond(kind, corners, reach) || separation(kind, corners).distance > reach) return;
       if (++count > most_pairs_)
         throw Error(
             ErrorKind::simulation,
