@@ -41,6 +41,12 @@ struct Box {
 class Effort {
  public:
   explicit Effort(std::uint64_t most) : left_(most) {}
+  // A leaf of a mesh meets some ten others. A thousand long primitives that meet all others are still no reason to
+  // stop.
+  [[nodiscard]] static Effort of_search(const Primitives& primitives) {
+    return Effort(10'000'000 + 500 * std::uint64_t{primitives.balls().size() + primitives.edges().size() +
+                                                   primitives.triangles().size()});
+  }
   void spend() {
     if (left_-- == 0) stop();
   }

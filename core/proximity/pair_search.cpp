@@ -130,10 +130,7 @@ void PairSearch::find(const Positions& start, const Positions& end, double margi
   common_ = moves ? common_motion(*primitives_, start, end) : Vector3(Vector3::Zero());
   fit_trees(start, end, margin);
   for (auto& pairs : found.of_kind) pairs.clear();
-  // A leaf of a mesh meets some ten others. A thousand long primitives that meet all others are still no reason to
-  // stop.
-  const std::size_t items = primitives_->balls().size() + primitives_->edges().size() + primitives_->triangles().size();
-  Effort effort(10'000'000 + 500 * std::uint64_t{items});
+  Effort effort = Effort::of_search(*primitives_);
   std::size_t count = 0;
   for (const PairKind kind : pair_kinds) {
     if (!primitives_->checks_any(kind)) continue;

@@ -1,0 +1,40 @@
+// From pairs that may touch to those that do: at one state, over a step, and at the start of a simulation.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "proximity/distance.hpp"
+#include "proximity/first_meeting.hpp"
+#include "proximity/primitives.hpp"
+
+namespace springnet::proximity {
+
+struct NearPair {
+  PairKind kind;
+  Pair pair;
+  double gap;  // m: distance less thickness; < 0 where they overlap
+  Separation separation;
+};
+
+// Pairs of the lists whose gap is at most `gap` (m), in the order of the lists. `found` keeps its memory.
+void find_near(const Primitives& primitives, const PairLists& pairs, const Positions& x, double gap,
+               std::vector<NearPair>& found);
+
+struct MeetingPair {
+  PairKind kind;
+  Pair pair;
+  Meeting meeting;
+};
+
+// Pairs of the lists that meet while nodes move along straight lines, in the order of time, then of the lists.
+void find_meetings(const Primitives& primitives, const PairLists& pairs, const Positions& start, const Positions& end,
+                   std::vector<MeetingPair>& found);
+
+// Pairs that overlap at these positions, the deepest first, `most` at most: what a net should not start with. Throws as
+// PairSearch::find.
+[[nodiscard]] std::vector<NearPair> deepest_overlaps(const Primitives& primitives, const Positions& x,
+                                                     std::size_t most);
+
+}  // namespace springnet::proximity
