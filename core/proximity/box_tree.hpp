@@ -37,14 +37,15 @@ struct Box {
   [[nodiscard]] static Box empty();
 };
 
-// Counts comparisons of leaves, and stops a search that takes far more than meshes do. Throws Error (simulation).
+// Counts leaves that are compared and pairs that are visited, and stops a search that takes far more than meshes do.
+// Throws Error (simulation).
 class Effort {
  public:
   explicit Effort(std::uint64_t most) : left_(most) {}
   // A leaf of a mesh meets some ten others. A thousand long primitives that meet all others are still no reason to
   // stop.
   [[nodiscard]] static Effort of_search(const Primitives& primitives) {
-    return Effort(10'000'000 + 500 * std::uint64_t{primitives.balls().size() + primitives.edges().size() +
+    return Effort(10'000'000 + 100 * std::uint64_t{primitives.balls().size() + primitives.edges().size() +
                                                    primitives.triangles().size()});
   }
   void spend() {
@@ -157,8 +158,10 @@ void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t 
       // Of the leaf, those that are near the other one.
       for (std::uint32_t near = leaf.overlapping(second.branches_[other.branch].box); near != 0; near &= near - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(near));
-        for (std::uint32_t hit = other.overlapping(leaf.box(i)); hit != 0; hit &= hit - 1)
+        for (std::uint32_t hit = other.overlapping(leaf.box(i)); hit != 0; hit &= hit - 1) {
+          effort.spend();
           visit(leaf.item[i], other.item[std::countr_zero(hit)]);
+        }
       }
     });
   }
@@ -167,7 +170,8 @@ void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t 
 template <class Partners, class Visit>
 void BoxTree::for_own_overlaps(std::size_t begin, std::size_t end, const Partners& partners, Effort& effort,
                                const Visit& visit) const {
-  const auto visit_in_order = [&visit](std::uint32_t a, std::uint32_t b) {
+  const auto visit_in_order = [&](std::uint32_t a, std::uint32_t b) {
+    effort.spend();
     if (a < b)
       visit(a, b);
     else
