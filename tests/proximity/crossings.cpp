@@ -8,6 +8,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include "proximity/orientation.hpp"
 #include "random_pairs.hpp"
 #include "surfaces.hpp"
@@ -37,6 +39,24 @@ TEST_CASE("orientations of whole numbers are those of integers") {
     in_plane += volume == 0;
   }
   CHECK(in_plane > 1000);
+}
+
+TEST_CASE("orientations of points that are nearly on a line are exact") {
+  // a, a + u, a + u + e, a + u + f with a long u and short e and f: the volume is (e x f) . u, in integers, where
+  // rounded products of u with itself leave 2^-53 of its cube.
+  PairDice dice(32);
+  int in_plane = 0;
+  for (int round = 0; round < 20000; ++round) {
+    const Vector3 a = dice.grid_vector(1 << 20), u = 1048576.0 * dice.grid_vector(1 << 20) + dice.grid_vector(1 << 20),
+                  e = dice.grid_vector(3), f = dice.grid_vector(3);
+    const Vector3 across = e.cross(f);  // exact, and so are its products with u: below 2^53 in all
+    std::int64_t volume = 0;
+    for (Eigen::Index k = 0; k < 3; ++k)
+      volume += static_cast<std::int64_t>(across[k]) * static_cast<std::int64_t>(u[k]);
+    CHECK(orientation(a, a + u, a + u + e, a + u + f) == (volume > 0) - (volume < 0));
+    in_plane += volume == 0;
+  }
+  CHECK(in_plane > 100);
 }
 
 TEST_CASE("orientations are exact where rounding hides them") {
