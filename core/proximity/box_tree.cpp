@@ -1,11 +1,18 @@
 #include "proximity/box_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <springnet/error.hpp>
 
 namespace springnet::proximity {
+
+namespace {
+
+constexpr int least_exponent = -200;  // of the size of a box, also of a point
+
+}  // namespace
 
 void Box::include(const Box& other) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -101,7 +108,7 @@ void BoxTree::split(std::uint32_t begin, std::uint32_t end, std::span<const Vect
 }
 
 void BoxTree::refit(std::span<const Box> boxes) {
-  size_ = 0.0;
+  size_ = 0;
   for (std::size_t b = branches_.size(); b-- > 0;) {
     Branch& branch = branches_[b];
     branch.box = Box::empty();
@@ -119,7 +126,7 @@ void BoxTree::refit(std::span<const Box> boxes) {
       branch.box.include(branches_[b + 1].box);
       branch.box.include(branches_[branches_[b + 1].after].box);
     }
-    size_ += branch.box.size();
+    size_ += std::max(std::ilogb(branch.box.size()), least_exponent);
   }
 }
 

@@ -32,7 +32,7 @@ struct Box {
   }
   void include(const Box& other);
   void include(const Vector3& point);
-  // Sum of the sides, m: half the expected number of random planes that cut it.
+  // Sum of the sides, m.
   [[nodiscard]] double size() const { return high[0] - low[0] + high[1] - low[1] + high[2] - low[2]; }
   [[nodiscard]] static Box empty();
 };
@@ -66,8 +66,11 @@ class BoxTree {
   // The same items elsewhere.
   void refit(std::span<const Box> boxes);
   [[nodiscard]] bool is_built_for(std::size_t items) const noexcept { return group_of_.size() == items && items > 0; }
-  // Boxes overlap so much more than when it was built that it should be built anew.
-  [[nodiscard]] bool is_worn() const noexcept { return size_ > 2.0 * size_when_built_; }
+  // Branches are twice as large as when it was built, in the geometric mean, which a few far nodes do not move: their
+  // boxes overlap, and it should be built anew.
+  [[nodiscard]] bool is_worn() const noexcept {
+    return size_ > size_when_built_ + static_cast<std::int64_t>(branches_.size());
+  }
 
   // Calls visit(first, second) for each pair of items of two trees whose boxes overlap and whose groups may be checked:
   // bit g % 32 of partners(group) is set for each partner g of a group. Leaves from `begin` to `end` of `first`, of
@@ -143,8 +146,8 @@ class BoxTree {
   std::vector<Branch> branches_;
   std::vector<Slot> slots_;
   std::vector<Leaf> leaves_;
-  std::vector<Group> group_of_;  // [items]
-  double size_ = 0.0, size_when_built_ = 0.0;
+  std::vector<Group> group_of_;                  // [items]
+  std::int64_t size_ = 0, size_when_built_ = 0;  // sums of binary logarithms of the branches' sizes
 };
 
 template <class Partners, class Visit>

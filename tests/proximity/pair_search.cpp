@@ -155,6 +155,41 @@ TEST_CASE("pairs do not depend on the order in which primitives are given") {
   CHECK(found.of_kind == back.of_kind);
 }
 
+TEST_CASE("parts of the leaves, in any order, visit the pairs that all of them visit") {
+  Surfaces surfaces;
+  add_folded_sheet(surfaces, 30, 0.01, 6, 1e-3, Vector3::Zero(), 5e-4, 0);
+  const Primitives primitives(surfaces.lists({{0, 0}}));
+  std::vector<Box> boxes, balls;
+  for (const Edge& edge : primitives.edges()) {
+    boxes.push_back(Box::empty());
+    for (const NodeIndex node : edge.nodes) boxes.back().include(surfaces.positions()[node]);
+  }
+  for (const Ball& ball : primitives.balls()) {
+    balls.push_back(Box::empty());
+    balls.back().include(surfaces.positions()[ball.node]);
+  }
+  BoxTree edges, nodes;
+  edges.build(boxes, std::vector<Group>(boxes.size(), 0));
+  nodes.build(balls, std::vector<Group>(balls.size(), 0));
+  const auto visited = [&](std::size_t parts) {
+    std::vector<Pair> found;
+    Effort effort = Effort::of_search(primitives);
+    const auto any = [](Group) { return ~std::uint32_t{0}; };
+    const auto visit = [&](std::uint32_t a, std::uint32_t b) { found.push_back({a, b}); };
+    for (std::size_t part = parts; part-- > 0;) {
+      const auto bound = [&](const BoxTree& tree, std::size_t at) { return tree.leaves() * at / parts; };
+      edges.for_own_overlaps(bound(edges, part), bound(edges, part + 1), any, effort, visit);
+      BoxTree::for_overlaps(nodes, bound(nodes, part), bound(nodes, part + 1), edges, any, effort, visit);
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  const auto all = visited(1);
+  CHECK(all.size() > boxes.size());
+  CHECK(visited(2) == all);
+  CHECK(visited(7) == all);
+}
+
 TEST_CASE("one great triangle, far nodes and a great common offset change neither pairs nor time much") {
   Surfaces surfaces;
   add_folded_sheet(surfaces, 60, 0.01, 10, 5e-4, Vector3::Zero(), 5e-4, 0);
