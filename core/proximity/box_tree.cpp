@@ -34,12 +34,15 @@ Box Box::empty() {
   return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 }
 
-void Effort::stop() {
-  throw Error(
-      ErrorKind::simulation,
-      "the search for contacts compares far more primitives than meshes give: their boxes overlap each other. "
-      "Positions have collapsed, the margin is large beside the distances of nodes, or there are many primitives "
-      "much longer than their distances");
+void Effort::Share::take() {
+  constexpr std::int64_t at_once = 256;
+  left_ = at_once - 1;  // one is spent
+  if (of_.left_.fetch_sub(at_once, std::memory_order_relaxed) < at_once)
+    throw Error(
+        ErrorKind::simulation,
+        "the search for contacts compares far more primitives than meshes give: their boxes overlap each other. "
+        "Positions have collapsed, the margin is large beside the distances of nodes, or there are many primitives "
+        "much longer than their distances");
 }
 
 void BoxTree::build(std::span<const Box> boxes, std::span<const Group> groups) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -37,24 +38,34 @@ struct Box {
   [[nodiscard]] static Box empty();
 };
 
-// Counts leaves that are compared and pairs that are visited, and stops a search that takes far more than meshes do.
-// Throws Error (simulation).
+// How many leaves may be compared and pairs visited in a search, which stops one that takes far more than meshes do.
+// Shared by the threads of the search.
 class Effort {
  public:
-  explicit Effort(std::uint64_t most) : left_(most) {}
-  // A leaf of a mesh meets some ten others. A thousand long primitives that meet all others are still no reason to
-  // stop.
-  [[nodiscard]] static Effort of_search(const Primitives& primitives) {
-    return Effort(10'000'000 + 100 * std::uint64_t{primitives.balls().size() + primitives.edges().size() +
-                                                   primitives.triangles().size()});
-  }
-  void spend() {
-    if (left_-- == 0) stop();
+  explicit Effort(std::int64_t most) : left_(most) {}
+  // Boxes of a mesh overlap some ten others. A hundred primitives that overlap all others are no reason to stop yet.
+  [[nodiscard]] static std::int64_t of_search(const Primitives& primitives) {
+    return 10'000'000 + 100 * static_cast<std::int64_t>(primitives.balls().size() + primitives.edges().size() +
+                                                        primitives.triangles().size());
   }
 
+  // What one part of the search takes of it, in advance: parts that are the same take the same.
+  class Share {
+   public:
+    explicit Share(Effort& of) : of_(of) {}
+    // Throws Error (simulation) if none is left.
+    void spend() {
+      if (left_-- == 0) take();
+    }
+
+   private:
+    void take();
+    Effort& of_;
+    std::int64_t left_ = 0;
+  };
+
  private:
-  [[noreturn]] static void stop();
-  std::uint64_t left_;
+  std::atomic<std::int64_t> left_;
 };
 
 class BoxTree {
@@ -152,7 +163,8 @@ class BoxTree {
 
 template <class Partners, class Visit>
 void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t end, const BoxTree& second,
-                           const Partners& partners, Effort& effort, const Visit& visit) {
+                           const Partners& partners, Effort& all_effort, const Visit& visit) {
+  Effort::Share effort(all_effort);
   for (std::size_t l = begin; l < end; ++l) {
     const Leaf& leaf = first.leaves_[l];
     const Box& around = first.branches_[leaf.branch].box;
@@ -171,8 +183,9 @@ void BoxTree::for_overlaps(const BoxTree& first, std::size_t begin, std::size_t 
 }
 
 template <class Partners, class Visit>
-void BoxTree::for_own_overlaps(std::size_t begin, std::size_t end, const Partners& partners, Effort& effort,
+void BoxTree::for_own_overlaps(std::size_t begin, std::size_t end, const Partners& partners, Effort& all_effort,
                                const Visit& visit) const {
+  Effort::Share effort(all_effort);
   const auto visit_in_order = [&](std::uint32_t a, std::uint32_t b) {
     effort.spend();
     if (a < b)

@@ -56,7 +56,7 @@ std::vector<Crossing> find_crossings(const Primitives& primitives, const Positio
     return primitives.partner_mask(PairKind::edge_edge, group) |
            primitives.partner_mask(PairKind::node_triangle, group);
   };
-  Effort effort = Effort::of_search(primitives);
+  Effort effort(Effort::of_search(primitives));
   BoxTree::for_overlaps(edges, 0, edges.leaves(), triangles, partners, effort, consider);
   std::sort(found.begin(), found.end());
   return found;

@@ -18,9 +18,10 @@ struct NearPair {
   Separation separation;
 };
 
-// Pairs of the lists whose gap is at most `gap` (m), in the order of the lists. `found` keeps its memory.
+// Pairs of the lists whose gap is at most `gap` (m), in the order of the lists, for any number of threads.
+// `found` keeps its memory.
 void find_near(const Primitives& primitives, const PairLists& pairs, const Positions& x, double gap,
-               std::vector<NearPair>& found);
+               std::vector<NearPair>& found, unsigned threads = 1);
 
 struct MeetingPair {
   PairKind kind;
@@ -30,7 +31,7 @@ struct MeetingPair {
 
 // Pairs of the lists that meet while nodes move along straight lines, in the order of time, then of the lists.
 void find_meetings(const Primitives& primitives, const PairLists& pairs, const Positions& start, const Positions& end,
-                   std::vector<MeetingPair>& found);
+                   std::vector<MeetingPair>& found, unsigned threads = 1);
 
 // Pairs that overlap at these positions, the deepest first, `most` at most: what a net should not start with. Throws as
 // PairSearch::find.

@@ -19,8 +19,8 @@ constexpr double usable_skin = 1.0 - 1e-6;
 
 }  // namespace
 
-NeighbourList::NeighbourList(Primitives primitives, double skin, const SearchLimits& limits)
-    : primitives_(std::move(primitives)), skin_(skin), search_(primitives_, limits) {
+NeighbourList::NeighbourList(Primitives primitives, double skin, const SearchOptions& options)
+    : primitives_(std::move(primitives)), skin_(skin), search_(primitives_, options) {
   if (!(skin > 0.0) || !std::isfinite(skin))
     throw Error(ErrorKind::input, fmt::format("the skin of a list of neighbours is {} m; it must be positive", skin));
   for (auto& component : reference_) component.resize(primitives_.nodes().size());

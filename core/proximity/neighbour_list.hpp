@@ -19,7 +19,7 @@ namespace springnet::proximity {
 class NeighbourList {
  public:
   // skin: m, > 0. Throws Error (input) if it is not.
-  NeighbourList(Primitives primitives, double skin, const SearchLimits& limits = {});
+  NeighbourList(Primitives primitives, double skin, const SearchOptions& options = {});
   // The search refers to the primitives.
   NeighbourList(const NeighbourList&) = delete;
   NeighbourList& operator=(const NeighbourList&) = delete;

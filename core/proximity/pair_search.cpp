@@ -1,6 +1,7 @@
 #include "proximity/pair_search.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -10,11 +11,13 @@
 #include <springnet/error.hpp>
 
 #include "proximity/distance.hpp"
+#include "proximity/in_parts.hpp"
 
 namespace springnet::proximity {
 
 namespace {
 
+constexpr std::size_t leaves_in_part = 128;   // of which threads take one after the other
 constexpr double largest_coordinate = 1e150;  // m: squares are finite
 
 // Puts pairs in order: counts by the first, then sorts the few that have the same.
@@ -72,12 +75,12 @@ Vector3 common_motion(const Primitives& primitives, const Positions& start, cons
   return 0.5 * (low + high);
 }
 
-PairSearch::PairSearch(const Primitives& primitives, const SearchLimits& limits)
+PairSearch::PairSearch(const Primitives& primitives, const SearchOptions& options)
     : primitives_(&primitives),
       most_pairs_(std::max(
-          limits.always, limits.pairs_for_each *
-                             (primitives.balls().size() + primitives.edges().size() + primitives.triangles().size()))) {
-}
+          options.always, options.pairs_for_each *
+                              (primitives.balls().size() + primitives.edges().size() + primitives.triangles().size()))),
+      threads_(options.threads) {}
 
 template <class Primitive, class NodesOf>
 void PairSearch::fit(BoxTree& tree, const std::vector<Primitive>& items, const NodesOf& nodes_of,
@@ -130,35 +133,38 @@ void PairSearch::find(const Positions& start, const Positions& end, double margi
   common_ = moves ? common_motion(*primitives_, start, end) : Vector3(Vector3::Zero());
   fit_trees(start, end, margin);
   for (auto& pairs : found.of_kind) pairs.clear();
-  Effort effort = Effort::of_search(*primitives_);
-  std::size_t count = 0;
+  Effort effort(Effort::of_search(*primitives_));
+  std::atomic<std::size_t> count{0};
   for (const PairKind kind : pair_kinds) {
     if (!primitives_->checks_any(kind)) continue;
-    std::vector<Pair>& pairs = found[kind];
-    const auto consider = [&](std::uint32_t first, std::uint32_t second) {
-      const Pair pair{first, second};
-      if (!primitives_->may_touch(kind, pair)) return;
+    const auto is_near = [&](Pair pair) {
+      if (!primitives_->may_touch(kind, pair)) return false;
       const auto corners = primitives_->corners(kind, pair, start);
       double reach = primitives_->thickness(kind, pair) + margin;
       if (moves) reach += relative_motion(kind, corners, primitives_->corners(kind, pair, end));
       reach *= 1.0 + 1e-9;  // rounding
-      if (is_surely_beyond(kind, corners, reach) || separation(kind, corners).distance > reach) return;
-      if (++count > most_pairs_)
-        throw Error(
-            ErrorKind::simulation,
-            fmt::format("more than {} pairs of nodes, triangles and edges are within {:.3g} m of contact: positions "
-                        "have collapsed, or the margin is large beside the distances of nodes",
-                        most_pairs_, margin));
-      pairs.push_back(pair);
+      return !is_surely_beyond(kind, corners, reach) && !(separation(kind, corners).distance > reach);
     };
     const auto partners = [&](Group group) { return primitives_->partner_mask(kind, group); };
-    if (kind == PairKind::node_triangle)
-      BoxTree::for_overlaps(balls_, 0, balls_.leaves(), triangles_, partners, effort, consider);
-    else if (kind == PairKind::node_node)
-      balls_.for_own_overlaps(0, balls_.leaves(), partners, effort, consider);
-    else
-      edges_.for_own_overlaps(0, edges_.leaves(), partners, effort, consider);
-    put_in_order(pairs, kind == PairKind::edge_edge ? primitives_->edges().size() : primitives_->balls().size());
+    const auto search_part = [&](std::size_t first_leaf, std::size_t last_leaf, std::vector<Pair>& pairs) {
+      const auto consider = [&](std::uint32_t first, std::uint32_t second) {
+        if (!is_near({first, second})) return;
+        if (count.fetch_add(1, std::memory_order_relaxed) >= most_pairs_)
+          throw Error(ErrorKind::simulation,
+                      fmt::format("more than {} pairs of nodes, triangles and edges are within {:.3g} m of contact: "
+                                  "positions have collapsed, or the margin is large beside the distances of nodes",
+                                  most_pairs_, margin));
+        pairs.push_back({first, second});
+      };
+      if (kind == PairKind::node_triangle)
+        BoxTree::for_overlaps(balls_, first_leaf, last_leaf, triangles_, partners, effort, consider);
+      else
+        (kind == PairKind::node_node ? balls_ : edges_)
+            .for_own_overlaps(first_leaf, last_leaf, partners, effort, consider);
+    };
+    const BoxTree& leaves_of = kind == PairKind::edge_edge ? edges_ : balls_;
+    append_in_parts(leaves_of.leaves(), leaves_in_part, threads_, found[kind], search_part);
+    put_in_order(found[kind], kind == PairKind::edge_edge ? primitives_->edges().size() : primitives_->balls().size());
   }
 }
 

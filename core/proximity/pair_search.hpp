@@ -12,23 +12,24 @@
 
 namespace springnet::proximity {
 
-struct SearchLimits {
+struct SearchOptions {
   // Pairs that may be found for each primitive, and any number up to `always`. A node among others of its size has
   // about 12 near it; a collapsed net has all.
   std::size_t pairs_for_each = 64;
   std::size_t always = 1'000'000;
+  unsigned threads = 1;  // the pairs are the same for any number
 };
 
 class PairSearch {
  public:
   // Keeps the reference.
-  explicit PairSearch(const Primitives& primitives, const SearchLimits& limits = {});
+  explicit PairSearch(const Primitives& primitives, const SearchOptions& options = {});
 
   // All pairs whose distance may be at most their thickness plus `margin` (m, >= 0) while nodes move along straight
   // lines from `start` to `end`, which may be the same; and no pair whose distance at `start` is greater than that by
   // more than its nodes approach each other. In canonical order, which depends on nothing but the positions. `found`
   // keeps its memory. Throws Error: (simulation) if a coordinate is not finite or beyond 1e150 m, or if more pairs are
-  // found than the limits allow; (input) if a node has no position.
+  // found than the options allow; (input) if a node has no position.
   void find(const Positions& start, const Positions& end, double margin, PairLists& found);
   void find(const Positions& x, double margin, PairLists& found) { find(x, x, margin, found); }
 
@@ -40,6 +41,7 @@ class PairSearch {
 
   const Primitives* primitives_;
   std::size_t most_pairs_;
+  unsigned threads_;
   BoxTree balls_, edges_, triangles_;
   std::vector<Box> boxes_;            // of one kind of primitive at a time
   std::vector<Group> groups_;         // likewise

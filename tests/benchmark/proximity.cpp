@@ -145,7 +145,7 @@ void overlaps(benchmark::State& state, bool block) {
   const auto count = [&pairs](std::uint32_t, std::uint32_t) { ++pairs; };
   for ([[maybe_unused]] auto iteration : state) {
     pairs = 0;
-    Effort effort = Effort::of_search(net.primitives);
+    Effort effort(Effort::of_search(net.primitives));
     balls.refit(boxes.balls.first);
     edges.refit(boxes.edges.first);
     triangles.refit(boxes.triangles.first);

@@ -18,6 +18,7 @@
 #include <springnet/error.hpp>
 
 #include "proximity/distance.hpp"
+#include "proximity/near_pairs.hpp"
 #include "random_pairs.hpp"
 #include "surfaces.hpp"
 
@@ -155,6 +156,48 @@ TEST_CASE("pairs do not depend on the order in which primitives are given") {
   CHECK(found.of_kind == back.of_kind);
 }
 
+TEST_CASE("pairs, distances and meetings are the same bits for every number of threads") {
+  Surfaces surfaces;
+  add_folded_sheet(surfaces, 80, 0.01, 10, 5e-4, Vector3::Zero(), 5e-4, 0);
+  Surfaces end = surfaces;
+  PairDice dice(14);
+  for (NodeIndex node = 0; node < end.x[0].size(); ++node)
+    end.set(node, surfaces.positions()[node] + dice.vector(1e-3));
+  const Primitives primitives(surfaces.lists({{0, 0}}));
+  PairLists pairs;
+  std::vector<NearPair> near;
+  std::vector<MeetingPair> met;
+  for (const unsigned threads : {1U, 2U, 5U}) {
+    PairSearch search(primitives, {.threads = threads});
+    const PairLists found = found_by(search, surfaces.positions(), end.positions(), 1e-3);
+    std::vector<NearPair> near_now;
+    find_near(primitives, found, surfaces.positions(), 5e-4, near_now, threads);
+    std::vector<MeetingPair> met_now;
+    find_meetings(primitives, found, surfaces.positions(), end.positions(), met_now, threads);
+    if (threads == 1) {
+      pairs = found;
+      near = near_now;
+      met = met_now;
+      CHECK(near.size() > 1000);
+      CHECK(met.size() > 100);
+      continue;
+    }
+    CHECK(found.of_kind == pairs.of_kind);
+    REQUIRE(near_now.size() == near.size());
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      CHECK(near_now[i].pair == near[i].pair);
+      CHECK(near_now[i].gap == near[i].gap);
+      CHECK(near_now[i].separation.weights == near[i].separation.weights);
+      CHECK(near_now[i].separation.direction == near[i].separation.direction);
+    }
+    REQUIRE(met_now.size() == met.size());
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      CHECK(met_now[i].pair == met[i].pair);
+      CHECK(met_now[i].meeting.time == met[i].meeting.time);
+    }
+  }
+}
+
 TEST_CASE("parts of the leaves, in any order, visit the pairs that all of them visit") {
   Surfaces surfaces;
   add_folded_sheet(surfaces, 30, 0.01, 6, 1e-3, Vector3::Zero(), 5e-4, 0);
@@ -173,7 +216,7 @@ TEST_CASE("parts of the leaves, in any order, visit the pairs that all of them v
   nodes.build(balls, std::vector<Group>(balls.size(), 0));
   const auto visited = [&](std::size_t parts) {
     std::vector<Pair> found;
-    Effort effort = Effort::of_search(primitives);
+    Effort effort(Effort::of_search(primitives));
     const auto any = [](Group) { return ~std::uint32_t{0}; };
     const auto visit = [&](std::uint32_t a, std::uint32_t b) { found.push_back({a, b}); };
     for (std::size_t part = parts; part-- > 0;) {
@@ -221,6 +264,8 @@ TEST_CASE("positions that have collapsed end with an error, within bounded time 
   PairSearch search(primitives, {.pairs_for_each = 4, .always = 1000});
   PairLists found;
   CHECK_THROWS_WITH_AS(search.find(surfaces.positions(), 1e-3, found), doctest::Contains("collapsed"), Error);
+  PairSearch in_threads(primitives, {.pairs_for_each = 4, .always = 1000, .threads = 3});
+  CHECK_THROWS_WITH_AS(in_threads.find(surfaces.positions(), 1e-3, found), doctest::Contains("collapsed"), Error);
   CHECK(found.size() <= 4 * (primitives.balls().size() + primitives.edges().size() + primitives.triangles().size()));
   // Of groups that are not checked, in the same place: nothing is compared.
   for (std::size_t i = 0; i < lists.balls.size(); ++i) lists.balls[i].group = i % 2 == 0 ? 1 : 2;
