@@ -18,10 +18,11 @@ struct Separation {
   std::array<double, 4> weights{};       // of the nodes: those of the first primitive sum to 1, the second's to -1
 };
 
-// The pair's nodes in the order of PairKind, m; unused places are not read. Coordinates must be finite and their
-// differences below 1e150 m. The distance is exact to some 1e-15 of the pair's extent, for primitives without area or
-// length too. Where it is 0 to within rounding, the direction is that of the triangle's plane, of both edges' common
-// perpendicular or, failing these, one that depends on nothing but the corners.
+// The pair's nodes in the order of PairKind, m; unused places are not read. Coordinates must be finite;
+// differences beyond 1e70 m, or below 1e-70 m, would leave the range of numbers in products of four. The distance is
+// exact to some 1e-15 of the pair's extent, for primitives without area or length too. Where it is 0 to within
+// rounding, the direction is that of the triangle's plane, of both edges' common perpendicular or, failing these, one
+// that depends on nothing but the corners.
 [[nodiscard]] Separation separation(PairKind kind, const std::array<Vector3, 4>& x);
 
 // True only if the distance is greater than `reach` (m, >= 0), and for most pairs for which it is: a plane across the

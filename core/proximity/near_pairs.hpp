@@ -1,4 +1,7 @@
-// From pairs that may touch to those that do: at one state, over a step, and at the start of a simulation.
+// From pairs that may touch to those that do: at one state, over a step, and at the start of a simulation. In a step:
+//   list.update(start, end);                                             // a check; a search where needed
+//   find_near(list.primitives(), list.pairs(), end, 0.0, near);          // contact forces: gap, direction, weights
+//   find_meetings(list.primitives(), list.pairs(), start, end, met);     // the earliest of what must not go through
 #pragma once
 
 #include <array>

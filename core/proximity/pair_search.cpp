@@ -17,8 +17,8 @@ namespace springnet::proximity {
 
 namespace {
 
-constexpr std::size_t leaves_in_part = 128;   // of which threads take one after the other
-constexpr double largest_coordinate = 1e150;  // m: squares are finite
+constexpr std::size_t leaves_in_part = 128;  // of which threads take one after the other
+constexpr double largest_coordinate = 1e70;  // m: products of four are finite
 
 // Puts pairs in order: counts by the first, then sorts the few that have the same.
 void put_in_order(std::vector<Pair>& pairs, std::size_t firsts) {

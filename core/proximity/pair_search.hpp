@@ -28,7 +28,7 @@ class PairSearch {
   // All pairs whose distance may be at most their thickness plus `margin` (m, >= 0) while nodes move along straight
   // lines from `start` to `end`, which may be the same; and no pair whose distance at `start` is greater than that by
   // more than its nodes approach each other. In canonical order, which depends on nothing but the positions. `found`
-  // keeps its memory. Throws Error: (simulation) if a coordinate is not finite or beyond 1e150 m, or if more pairs are
+  // keeps its memory. Throws Error: (simulation) if a coordinate is not finite or beyond 1e70 m, or if more pairs are
   // found than the options allow; (input) if a node has no position.
   void find(const Positions& start, const Positions& end, double margin, PairLists& found);
   void find(const Positions& x, double margin, PairLists& found) { find(x, x, margin, found); }
@@ -48,7 +48,7 @@ class PairSearch {
   Vector3 common_ = Vector3::Zero();  // m: motion that all nodes have in common, about
 };
 
-// Throws Error if a node of the primitives has no position, or one that is not finite or beyond 1e150 m.
+// Throws Error if a node of the primitives has no position, or one that is not finite or beyond 1e70 m.
 void check_positions(const Primitives& primitives, const Positions& x);
 
 // The middle of the box around the differences `end - start` of all nodes of the primitives, m.
