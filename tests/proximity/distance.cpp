@@ -52,6 +52,7 @@ void check_weights(PairKind kind, const Separation& found) {
 
 TEST_CASE("the distance of a pair is that of its closest points and of the planes between it") {
   PairDice dice(1);
+  int beyond = 0;
   for (int round = 0; round < 60000; ++round) {
     const PairKind kind = pair_kinds[static_cast<std::size_t>(round % 3)];
     const int shape = round / 3 % PairDice::shapes;
@@ -66,7 +67,11 @@ TEST_CASE("the distance of a pair is that of its closest points and of the plane
     CHECK(weighted(found, x).dot(found.direction) >= -rounding);
     // Slivers of 1e-7: the plane's direction is lost to 1e-16 / 1e-7, and the lever is 4.
     CHECK(between_planes(kind, found.direction, x) >= found.distance - (shape == 4 ? 1e-8 : 10.0 * rounding));
+    // The quick test never says that a pair is beyond its distance, and often that it is beyond half of it.
+    CHECK(!is_surely_beyond(kind, x, found.distance + rounding));
+    beyond += is_surely_beyond(kind, x, 0.5 * found.distance);
   }
+  CHECK(beyond > 30000);
 }
 
 TEST_CASE("distances of each region are those of the drawing") {
