@@ -125,6 +125,10 @@ void Fit::set_guess_weight(double weight) {
   root_guess_weight_ = std::sqrt(weight);
 }
 
+void Fit::set_accuracy(double relative) {
+  for (const Run& each : runs_) each.motion->set_accuracy(relative);
+}
+
 void Fit::set_smoothness(double deviation) {
   if (!(deviation > 0.0))
     throw Error(ErrorKind::input,

@@ -36,6 +36,8 @@ class Fit {
   // m/s^2, see Smoothness; infinite: it does not matter. Throws Error(input) unless it is above 0. Before the first
   // residuals.
   void set_smoothness(double deviation);
+  // Of derivatives, see MotionDerivatives::set_accuracy.
+  void set_accuracy(double relative);
   [[nodiscard]] bool minds_smoothness() const noexcept { return smooth_rows_ > 0; }
   [[nodiscard]] const Variables& variables() const noexcept { return *variables_; }
   [[nodiscard]] std::size_t observed() const noexcept { return observed_; }

@@ -10,6 +10,8 @@
 
 #include <springnet/error.hpp>
 
+#include "learning/at_scope_end.hpp"
+
 namespace springnet::learning {
 
 namespace {
@@ -37,6 +39,10 @@ std::string ended_by(const std::string& failure) {
 }
 
 Minimum Search::made(Fit& fit, const VectorXd& from, const MinimiseOptions& own) const {
+  // A search that ends early needs no better derivatives. (Their error is some thousandth of this accuracy.)
+  constexpr double share = 0.1, finest = 1e-10, coarsest = 1e-4;
+  fit.set_accuracy(std::clamp(share * own.cost_tolerance, finest, coarsest));
+  const AtScopeEnd exact([&fit] { fit.set_accuracy(finest); });
   Problem problem(fit);
   const Bounds bounds{variables.lower(), variables.upper()};
   switch (options.optimiser) {

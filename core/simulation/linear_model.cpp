@@ -50,7 +50,8 @@ LinearModel::~LinearModel() = default;
 void LinearModel::forget() noexcept {
   sweep_.reset();
   last_response_ = &response_;
-  at_hand_ = indefinite_ = matrix_free_stalled_ = false;
+  at_hand_ = indefinite_ = false;
+  matrix_free_.forget();
   topology_changed();
 }
 
@@ -288,7 +289,10 @@ bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layer
 }
 
 bool LinearModel::suits_matrix_free() {
-  if (matrix_free_stalled_) return false;
+  if (assembled_next_ > 0) {
+    --assembled_next_;
+    return false;
+  }
   return model_.mass.size() >= nodes_worth_no_matrix || !is_thin();
 }
 
@@ -358,8 +362,16 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
   if (prepared_ == Prepared::matrix_free) {
     kept_right_side_.assign(b, b + 3 * n);  // x may be that
     answered(matrix_free_.solve(request.accuracy, max_solver_iterations, b, request.x));
+    if (request.outcome == SPRINGNET_STALLED && !model_.deadline.has_passed() &&
+        matrix_free_.renews({kept_state_.data(), kept_state_.data() + n, kept_state_.data() + 2 * n})) {
+      iterations_before = request.iterations;
+      b = kept_right_side_.data();
+      answered(matrix_free_.solve(request.accuracy, max_solver_iterations, b, request.x));
+      request.iterations += iterations_before;
+    }
     if (request.outcome != SPRINGNET_STALLED || model_.deadline.has_passed()) return SPRINGNET_OK;
-    matrix_free_stalled_ = true;
+    assembled_next_ = assembled_after_stall_;
+    assembled_after_stall_ = std::min(2 * assembled_after_stall_, most_assembled);
     iterations_before = request.iterations;
     b = kept_right_side_.data();
     if (const springnet_status status = assemble_kept(); status != SPRINGNET_OK) return status;

@@ -74,7 +74,8 @@ class LinearModel {
     system_.topology_changed();
     prepared_ = Prepared::nothing;
     thin_.reset();
-    matrix_free_stalled_ = false;
+    assembled_next_ = 0;
+    assembled_after_stall_ = least_assembled;
     if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
     factors_.current = false;
   }
@@ -130,7 +131,9 @@ class LinearModel {
   layers::BlockSystem system_;
   layers::IterativeSolver solver_;
   layers::MatrixFree matrix_free_;
-  bool matrix_free_stalled_ = false;
+  // Systems that are assembled from here on, as a solution without a matrix has stalled; and after the next that does.
+  static constexpr std::uint32_t least_assembled = 16, most_assembled = 1024;
+  std::uint32_t assembled_next_ = 0, assembled_after_stall_ = least_assembled;
   std::vector<double> linearised_at_;  // [3 node] m
   double kept_time_ = 0.0;
   springnet_internal kept_internal_{};                // no size: the evaluation had none

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "layers/block.hpp"
 
 namespace springnet::layers {
@@ -34,15 +36,15 @@ void CoarseSpace::begin(const std::array<const double*, 3>& position, const std:
   const std::size_t n = constrained.size();
   group_.assign(n, none);
   place_.assign(n, none);
-  node_.clear();
+  all_nodes_.clear();
   for (std::uint32_t k = 0; k < n; ++k)
-    if (constrained[k] == 0) node_.push_back(k);
-  start_.assign({0, static_cast<std::uint32_t>(node_.size())});
+    if (constrained[k] == 0) all_nodes_.push_back(k);
+  all_start_.assign({0, static_cast<std::uint32_t>(all_nodes_.size())});
   for (std::size_t halving = 0; halving < most_halvings; ++halving) {
-    if (node_.size() >> (halving + 1) < least_of_group) break;
+    if (all_nodes_.size() >> (halving + 1) < least_of_group) break;
     std::vector<std::uint32_t> finer{0};
-    for (std::size_t g = 0; g + 1 < start_.size(); ++g) {
-      const auto begin = node_.begin() + start_[g], end = node_.begin() + start_[g + 1];
+    for (std::size_t g = 0; g + 1 < all_start_.size(); ++g) {
+      const auto begin = all_nodes_.begin() + all_start_[g], end = all_nodes_.begin() + all_start_[g + 1];
       std::size_t longest = 0;
       double side = -1.0;
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -61,38 +63,39 @@ void CoarseSpace::begin(const std::array<const double*, 3>& position, const std:
       // Which nodes a half has does not depend on the library; their order, and so sums, would.
       std::sort(begin, middle);
       std::sort(middle, end);
-      finer.push_back(static_cast<std::uint32_t>(middle - node_.begin()));
-      finer.push_back(start_[g + 1]);
+      finer.push_back(static_cast<std::uint32_t>(middle - all_nodes_.begin()));
+      finer.push_back(all_start_[g + 1]);
     }
-    start_ = std::move(finer);
+    all_start_ = std::move(finer);
   }
-  arm_.resize(3 * node_.size());
-  for (std::uint32_t g = 0; g + 1 < start_.size(); ++g) {
+  all_arms_.resize(3 * all_nodes_.size());
+  for (std::uint32_t g = 0; g + 1 < all_start_.size(); ++g) {
     const auto at = [&](std::uint32_t i) {
-      return Vector3d(position[0][node_[i]], position[1][node_[i]], position[2][node_[i]]);
+      return Vector3d(position[0][all_nodes_[i]], position[1][all_nodes_[i]], position[2][all_nodes_[i]]);
     };
-    const double count = start_[g + 1] - start_[g];
+    const double count = all_start_[g + 1] - all_start_[g];
     Vector3d centre = Vector3d::Zero();
-    for (std::uint32_t i = start_[g]; i < start_[g + 1]; ++i) centre += at(i) / count;
+    for (std::uint32_t i = all_start_[g]; i < all_start_[g + 1]; ++i) centre += at(i) / count;
     double square = 0.0;
-    for (std::uint32_t i = start_[g]; i < start_[g + 1]; ++i) square += (at(i) - centre).squaredNorm() / count;
+    for (std::uint32_t i = all_start_[g]; i < all_start_[g + 1]; ++i) square += (at(i) - centre).squaredNorm() / count;
     const double radius = square > 0.0 ? std::sqrt(square) : 1.0;
-    for (std::uint32_t i = start_[g]; i < start_[g + 1]; ++i) {
-      group_[node_[i]] = g;
-      place_[node_[i]] = i;
+    for (std::uint32_t i = all_start_[g]; i < all_start_[g + 1]; ++i) {
+      group_[all_nodes_[i]] = g;
+      place_[all_nodes_[i]] = i;
       const Vector3d own = (at(i) - centre) / radius;
-      for (Index c = 0; c < 3; ++c) arm_[3 * std::size_t{i} + static_cast<std::size_t>(c)] = static_cast<float>(own[c]);
+      for (Index c = 0; c < 3; ++c)
+        all_arms_[3 * std::size_t{i} + static_cast<std::size_t>(c)] = static_cast<float>(own[c]);
     }
   }
-  const auto size = static_cast<Index>(6 * (start_.size() - 1));
-  matrix_.setZero(size, size);
+  const std::size_t groups = all_start_.size() - 1;
+  blocks_.assign(36 * (groups * (groups + 1) / 2), 0.0);
 }
 
 void CoarseSpace::add_block(std::size_t row, std::size_t column, const Matrix3d& block) {
   const std::uint32_t i = group_[row], j = group_[column];
   if (i == none || j == none || i < j) return;
   const Matrix3d turn_i = cross_matrix(arm(row)), turn_j = cross_matrix(arm(column));
-  auto to = matrix_.block<6, 6>(6 * Index{i}, 6 * Index{j});
+  Eigen::Map<Block> to = this->block(i, j);
   // A turn w moves a node by w x d, which is -[d] w.
   const Matrix3d turned = block * turn_j;
   to.topLeftCorner<3, 3>() += block;
@@ -109,23 +112,23 @@ void CoarseSpace::add_spring(std::size_t first, std::size_t second, double a, co
     using Six = Eigen::Matrix<double, 6, 1>;
     if (is_within) {
       const Vector3d turn = Vector3d(arm(first) - arm(second)).cross(along);
-      matrix_.block<3, 3>(6 * Index{i} + 3, 6 * Index{i} + 3) += turn * turn.transpose();
+      block(i, i).bottomRightCorner<3, 3>().noalias() += turn * turn.transpose();
       return;
     }
     Six by_first, by_second;
     if (i != none) {
       by_first << along, arm(first).cross(along);
-      matrix_.block<6, 6>(6 * Index{i}, 6 * Index{i}) += by_first * by_first.transpose();
+      block(i, i).noalias() += by_first * by_first.transpose();
     }
     if (j != none) {
       by_second << along, arm(second).cross(along);
-      matrix_.block<6, 6>(6 * Index{j}, 6 * Index{j}) += by_second * by_second.transpose();
+      block(j, j).noalias() += by_second * by_second.transpose();
     }
     if (i == none || j == none) return;
     if (i > j)
-      matrix_.block<6, 6>(6 * Index{i}, 6 * Index{j}) -= by_first * by_second.transpose();
+      block(i, j).noalias() -= by_first * by_second.transpose();
     else
-      matrix_.block<6, 6>(6 * Index{j}, 6 * Index{i}) -= by_second * by_first.transpose();
+      block(j, i).noalias() -= by_second * by_first.transpose();
   };
   add(q);
   if (!(a > least_across * q.squaredNorm())) return;
@@ -134,28 +137,64 @@ void CoarseSpace::add_spring(std::size_t first, std::size_t second, double a, co
 
 void CoarseSpace::factorise() {
   is_ready_ = false;
-  const Index size = matrix_.rows();
-  if (size == 0) return;
+  const std::size_t groups = all_start_.size() - 1;
+  const auto size = static_cast<Index>(6 * groups);
   // In units of its diagonal, which differs by the groups' stiffness.
-  const Eigen::VectorXd diagonal = matrix_.diagonal();
-  if (!(diagonal.minCoeff() > 0.0) || !diagonal.allFinite()) return;
+  Eigen::VectorXd diagonal(size);
+  for (std::size_t g = 0; g < groups; ++g) diagonal.segment<6>(static_cast<Index>(6 * g)) = block(g, g).diagonal();
+  if (size == 0 || !(diagonal.minCoeff() > 0.0) || !diagonal.allFinite()) return;
   const Eigen::VectorXd unit = diagonal.cwiseSqrt().cwiseInverse();
   Eigen::MatrixXf scaled(size, size);
-  for (Index c = 0; c < size; ++c)
-    for (Index r = c; r < size; ++r) scaled(r, c) = static_cast<float>(unit[r] * matrix_(r, c) * unit[c]);
+  for (std::size_t j = 0; j < groups; ++j) {
+    const auto column = static_cast<Index>(6 * j);
+    for (std::size_t i = j; i < groups; ++i) {
+      const auto row = static_cast<Index>(6 * i);
+      scaled.block<6, 6>(row, column) =
+          (unit.segment<6>(row).asDiagonal() * block(i, j) * unit.segment<6>(column).asDiagonal()).cast<float>();
+    }
+  }
   scaled.diagonal().array() += static_cast<float>(added);
-  scale_ = unit.cast<float>();
-  factors_.compute(scaled);
-  if (factors_.info() != Eigen::Success || !factors_.matrixLLT().diagonal().allFinite()) return;
-  right_.resize(size);
-  solution_.resize(size);
+  const Eigen::LLT<Eigen::MatrixXf> factors(scaled);
+  if (factors.info() != Eigen::Success || !factors.matrixLLT().diagonal().allFinite()) return;
+  const std::size_t numbers = 6 * groups, padded = (numbers + 15) / 16 * 16;
+  scale_.resize(numbers);
+  right_.assign(padded, 0.0F);
+  solution_.assign(padded, 0.0F);
+  inverse_.assign(padded, 1.0F);
+  lower_.assign(padded * padded, 0.0F);
+  upper_.assign(padded * padded, 0.0F);
+  for (std::size_t j = 0; j < numbers; ++j) {
+    const auto column = static_cast<Index>(j);
+    const auto l = factors.matrixLLT().col(column);
+    scale_[j] = static_cast<float>(unit[column]);
+    inverse_[j] = 1.0F / l[column];
+    for (std::size_t i = j + 1; i < numbers; ++i)
+      lower_[j * padded + i] = upper_[i * padded + j] = l[static_cast<Index>(i)];
+  }
+  node_ = all_nodes_;
+  start_ = all_start_;
+  arm_ = all_arms_;
   is_ready_ = true;
 }
 
+void CoarseSpace::follow(const std::vector<std::uint8_t>& constrained) {
+  node_.clear();
+  arm_.clear();
+  start_.assign(1, 0);
+  for (std::size_t g = 0; g + 1 < all_start_.size(); ++g) {
+    for (std::uint32_t i = all_start_[g]; i < all_start_[g + 1]; ++i) {
+      if (constrained[all_nodes_[i]] != 0) continue;
+      node_.push_back(all_nodes_[i]);
+      arm_.insert(arm_.end(), &all_arms_[3 * std::size_t{i}], &all_arms_[3 * std::size_t{i}] + 3);
+    }
+    start_.push_back(static_cast<std::uint32_t>(node_.size()));
+  }
+}
+
 void CoarseSpace::solve() {
-  solution_ = scale_.cwiseProduct(right_);
-  factors_.solveInPlace(solution_);
-  solution_ = solution_.cwiseProduct(scale_);
+  for (std::size_t i = 0; i < scale_.size(); ++i) solution_[i] = scale_[i] * right_[i];
+  kernels_.substitute(lower_.data(), upper_.data(), inverse_.data(), solution_.size(), solution_.data());
+  for (std::size_t i = 0; i < scale_.size(); ++i) solution_[i] *= scale_[i];
 }
 
 }  // namespace springnet::layers

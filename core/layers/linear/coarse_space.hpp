@@ -11,13 +11,16 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include "layers/linear/spring_kernels.hpp"
 
 namespace springnet::layers {
 
 class CoarseSpace {
  public:
+  explicit CoarseSpace(InstructionSet set = InstructionSet::generic) : kernels_(spring_kernels_for(set)) {}
+
   // Whether it can be worth its price: nets of so many nodes, and so much stiffer than their masses. stiffness: the sum
   // of the diagonal of S over that of the masses.
   [[nodiscard]] static bool pays(std::size_t nodes, double stiffness) noexcept;
@@ -34,6 +37,9 @@ class CoarseSpace {
   void add_spring(std::size_t first, std::size_t second, double a, const Eigen::Vector3d& q);
   // Ready, but for a matrix that is not positive definite.
   void factorise();
+  // Keeps the small system for a matrix that has changed a little: nodes that no longer move leave their groups, and
+  // come back when they do. Those that did not move at begin() are in none.
+  void follow(const std::vector<std::uint8_t>& constrained);
 
   // z += P (P^T S P)^-1 P^T r; answers r times that. Vectors have `stride` numbers a node, the first three of meaning.
   template <std::size_t stride, class Number>
@@ -51,7 +57,7 @@ class CoarseSpace {
         sum[4] += d[2] * x - d[0] * w;
         sum[5] += d[0] * y - d[1] * x;
       }
-      for (std::size_t c = 0; c < 6; ++c) right_[static_cast<Eigen::Index>(6 * g + c)] = static_cast<float>(sum[c]);
+      for (std::size_t c = 0; c < 6; ++c) right_[6 * g + c] = static_cast<float>(sum[c]);
     }
     solve();
     for (std::size_t g = 0; g + 1 < start_.size(); ++g) {
@@ -64,24 +70,34 @@ class CoarseSpace {
         to[2] += t[2] + t[3] * d[1] - t[4] * d[0];
       }
     }
-    return static_cast<double>(right_.dot(solution_));
+    double along = 0.0;
+    for (std::size_t i = 0; i < scale_.size(); ++i) along += double{right_[i]} * double{solution_[i]};
+    return along;
   }
 
  private:
   static constexpr std::uint32_t none = 0xffffffffu;
+  using Block = Eigen::Matrix<double, 6, 6>;
   void solve();
+  // Of the groups row >= column.
+  [[nodiscard]] Eigen::Map<Block> block(std::size_t row, std::size_t column) {
+    return Eigen::Map<Block>(&blocks_[36 * (row * (row + 1) / 2 + column)]);
+  }
   [[nodiscard]] Eigen::Vector3d arm(std::size_t node) const {
-    const float* const d = &arm_[3 * std::size_t{place_[node]}];
+    const float* const d = &all_arms_[3 * std::size_t{place_[node]}];
     return {d[0], d[1], d[2]};
   }
 
   bool is_ready_ = false;
-  std::vector<std::uint32_t> node_, start_;   // nodes by group; [group + 1]
-  std::vector<std::uint32_t> group_, place_;  // [node]; none: it does not move
-  std::vector<float> arm_;                    // [place][3] from the group's centre, in its own radius
-  Eigen::MatrixXd matrix_;                    // lower triangle
-  Eigen::LLT<Eigen::MatrixXf> factors_;
-  Eigen::VectorXf right_, solution_, scale_;
+  std::vector<std::uint32_t> all_nodes_, all_start_;  // nodes by group; [group + 1]
+  std::vector<float> all_arms_;                       // [place][3] from the group's centre, in its own radius
+  std::vector<std::uint32_t> group_, place_;          // [node]; none: it does not move
+  std::vector<std::uint32_t> node_, start_;           // of those, the ones that move now
+  std::vector<float> arm_;
+  std::vector<double> blocks_;  // [block of the lower triangle, by rows][6][6] of P^T S P, the columns of each together
+  const SpringKernels& kernels_;
+  std::vector<float> lower_, upper_, inverse_;   // of its factors, see SpringKernels::substitute
+  std::vector<float> right_, solution_, scale_;  // scale_: [6 group]; the others in sixteens
 };
 
 }  // namespace springnet::layers

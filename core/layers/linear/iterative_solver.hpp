@@ -24,7 +24,8 @@ namespace springnet::layers {
 
 class IterativeSolver {
  public:
-  IterativeSolver(InstructionSet set, unsigned threads) : kernels_(block_kernels_for(set)), threads_(threads) {}
+  IterativeSolver(InstructionSet set, unsigned threads)
+      : kernels_(block_kernels_for(set)), threads_(threads), coarse_(set) {}
 
   // Makes a projection with these mobilities, the preconditioner's inverse_blocks(); an empty one without constraints.
   using MakeProjection = std::function<Projection(const std::vector<double>& mobility)>;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -37,7 +38,8 @@ MatrixFree::MatrixFree(const Layout& layout, const Evaluator& evaluator, const s
       mass_(mass),
       constrained_(constrained),
       springs_(layout),
-      kernels_(spring_kernels_for(evaluator.instruction_set())) {}
+      kernels_(spring_kernels_for(evaluator.instruction_set())),
+      coarse_(evaluator.instruction_set()) {}
 
 bool MatrixFree::fits() const {
   if (layout_.node_count() < min_nodes || layout_.elements().live_count() > 0 || layout_.loaded_faces().any_following())
@@ -60,6 +62,7 @@ void MatrixFree::lay_out() {
   inverse_.assign(12 * n, 0.0F);
   if (!springs_.follow() && is_laid_out_) return;
   is_laid_out_ = false;  // memory may run out below
+  coarse_.clear();
   for (auto& vector : vectors_) vector.clear();
   for (auto* vector : {&solution_, &residual_, &right_side_}) vector->assign(4 * n, 0.0);
   parts_.clear();
@@ -112,7 +115,7 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
   }
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
   if (!invert_blocks()) return false;
-  prepare_coarse(nodes);  // of springs and masses alone
+  prepare_coarse(nodes, weights);
   return add_responses(weights);
 }
 
@@ -154,7 +157,22 @@ bool MatrixFree::invert_blocks() {
   return true;
 }
 
-void MatrixFree::prepare_coarse(const NodeArrays& nodes) {
+void MatrixFree::prepare_coarse(const NodeArrays& nodes, const SystemWeights& weights) {
+  coarse_is_kept_ = coarse_.any() && coarse_use_.serves(weights);
+  if (coarse_is_kept_) return coarse_.follow(constrained_);
+  make_coarse({nodes.px, nodes.py, nodes.pz});
+  coarse_use_.begin(weights);
+}
+
+bool MatrixFree::renews(const std::array<const double*, 3>& position) {
+  if (!std::exchange(coarse_is_kept_, false)) return false;
+  make_coarse(position);
+  coarse_use_.begin_again();
+  return true;
+}
+
+// Of springs and masses alone.
+void MatrixFree::make_coarse(const std::array<const double*, 3>& position) {
   coarse_.clear();
   const std::size_t n = layout_.node_count();
   double stiffness = 0.0, inertia = 0.0;
@@ -164,7 +182,7 @@ void MatrixFree::prepare_coarse(const NodeArrays& nodes) {
     inertia += own_[12 * k] + own_[12 * k + 5] + own_[12 * k + 10];
   }
   if (!CoarseSpace::pays(n, stiffness / inertia)) return;
-  coarse_.begin({nodes.px, nodes.py, nodes.pz}, constrained_);
+  coarse_.begin(position, constrained_);
   for (std::size_t k = 0; k < n; ++k) {
     if (constrained_[k] != 0) continue;
     const double* const own = &own_[12 * k];
@@ -347,6 +365,7 @@ SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, con
 #pragma omp parallel num_threads(static_cast <int>(threads))
     run(static_cast<unsigned>(omp_get_num_threads()), static_cast<unsigned>(omp_get_thread_num()));
   }
+  if (coarse_.any()) coarse_use_.count(answer);
   const std::size_t n = layout_.node_count();
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t k = 0; k < n; ++k) x[c * n + k] = solution_[4 * k + c];

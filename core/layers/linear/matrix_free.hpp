@@ -20,6 +20,7 @@
 #include "layers/evaluator.hpp"
 #include "layers/linear/block_system.hpp"
 #include "layers/linear/coarse_space.hpp"
+#include "layers/linear/coarse_use.hpp"
 #include "layers/linear/conjugate_gradients.hpp"
 #include "layers/linear/deadline.hpp"
 #include "layers/linear/node_response.hpp"
@@ -46,6 +47,11 @@ class MatrixFree {
   // preconditioned residual.
   [[nodiscard]] SolveAnswer solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x);
 
+  // Drops what is kept for the next systems.
+  void forget() noexcept { coarse_.clear(); }
+  // Whether the preconditioner of the present system has parts of an earlier one; then makes those anew, for a solution
+  // that has stalled. position: that of prepare(), x, y, z, [node] m.
+  [[nodiscard]] bool renews(const std::array<const double*, 3>& position);
   // Solutions end soon after it, stalled; null: none. It must outlive the solver.
   void set_deadline(const Deadline* deadline) noexcept { interruption_.set_deadline(deadline); }
 
@@ -78,7 +84,9 @@ class MatrixFree {
   [[nodiscard]] SpringRows rows_leaving(std::size_t unit) const;
   void add_block(std::size_t node, double a, const double (&q)[3]);
   void take_incoming(std::size_t unit);
-  void prepare_coarse(const NodeArrays& nodes);
+  // Keeps that of an earlier system while it serves.
+  void prepare_coarse(const NodeArrays& nodes, const SystemWeights& weights);
+  void make_coarse(const std::array<const double*, 3>& position);
   // Adds the coarse correction to z = D r; answers r times it.
   double correct(Team& team, const float* r, float* z);
   [[nodiscard]] bool invert_blocks();
@@ -120,6 +128,8 @@ class MatrixFree {
   std::vector<float> inverse_mass_;      // [node]
   CoarseSpace coarse_;
   double coarse_part_ = 0.0;
+  CoarseUse coarse_use_;
+  bool coarse_is_kept_ = false;
   std::vector<float> mass_in_unit_;  // [node]
   NodeResponses responses_;
   std::array<std::vector<float>, 8> vectors_;             // b, x, and of work; the last two for BiCGSTAB alone

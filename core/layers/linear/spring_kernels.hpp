@@ -77,6 +77,9 @@ struct SpringKernels {
   // x += s p, r -= s q, z = D r; answers r.z and the sum of w r^2.
   Sums2 (*advance)(float s, const float* p, const float* q, const float* d, const float* w, NodeRange nodes, float* x,
                    float* r, float* z);
+  // x = L^-T L^-1 x, of numbers in sixteens. lower, upper: [column][size] of L and of L^T beside their diagonal, 0
+  // elsewhere; inverse: of the diagonal.
+  void (*substitute)(const float* lower, const float* upper, const float* inverse, std::size_t size, float* x);
 };
 
 // The fastest ones that an instruction set has.

@@ -403,6 +403,23 @@ Sums2 advance(float s, const float* RESTRICT p, const float* RESTRICT q, const f
   return {total(along), total(square)};
 }
 
+void subtract_column(float s, const float* __restrict column, std::size_t begin, std::size_t end, float* __restrict x) {
+  for (std::size_t i = begin; i < end; i += 16)
+    for (std::size_t c = 0; c < 16; ++c) x[i + c] -= s * column[i + c];
+}
+
+// By columns, so that every number is summed in one order.
+void substitute(const float* lower, const float* upper, const float* inverse, std::size_t size, float* x) {
+  for (std::size_t j = 0; j < size; ++j) {
+    x[j] *= inverse[j];
+    subtract_column(x[j], lower + j * size, j / 16 * 16, size, x);
+  }
+  for (std::size_t j = size; j-- > 0;) {
+    x[j] *= inverse[j];
+    subtract_column(x[j], upper + j * size, 0, (j + 15) / 16 * 16, x);
+  }
+}
+
 }  // namespace
 
 const SpringKernels& spring_kernels() {
@@ -420,7 +437,8 @@ const SpringKernels& spring_kernels() {
                                        add_and_dot,
                                        add,
                                        scale_add,
-                                       advance};
+                                       advance,
+                                       substitute};
   return table;
 }
 

@@ -29,6 +29,8 @@ constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
 // A step from a guess that has not settled after this many sweeps, nor is about to, starts again from its start: a
 // guess may lead contacts into a cycle.
 constexpr std::uint64_t patience_with_guess = 12;
+// As many slow sweeps in turn, but for those after contacts changed, put the blame on what a system leaves out.
+constexpr int sweeps_to_blame = 2;
 // Steps in which systems are exact after an approximate one has converged slowly; and in which they are not, after an
 // exact one has, too.
 constexpr int max_exact_steps = 16, max_approximate_steps = 64;
@@ -82,6 +84,7 @@ void Newton::forget() noexcept {
   exact_steps_ = approximate_steps_ = age_ = 0;
   is_exact_ = false;
   contact_changes_ = 0;
+  slow_sweeps_ = 0;
 }
 
 void Newton::assess(const Step& step, const springnet_state& state, Assessment& result) {
@@ -327,7 +330,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
 
 void Newton::sweep(Step& step) {
   if (guessed_ && step.sweeps >= patience_with_guess && !(rate_ < fast_convergence)) start_again(step);
-  std::uint64_t changes = contact_changes_;
+  std::uint64_t decisions = decisions_;
   const double norm_before = at_outputs_.norm;
   for (int tries = 1;; ++tries) {
     springnet_state& start = *step.outputs;
@@ -340,7 +343,7 @@ void Newton::sweep(Step& step) {
     }
     if (!advanced) {
       start_again(step);
-      changes = contact_changes_;
+      decisions = decisions_;
       continue;
     }
     if (!step.constrained()) break;
@@ -364,7 +367,7 @@ void Newton::sweep(Step& step) {
   step.norm = at_outputs_.norm;
   step.rate = rate_;
   // Contacts just decided may change again; forces of rigid connections belong to the sweep before.
-  step.residual_decides = contact_changes_ == changes && step.network.rigid_count == 0;
+  step.residual_decides = decisions_ == decisions && step.network.rigid_count == 0;
   ++step.sweeps;
   step.evaluated = true;
   step.finite = std::isfinite(at_outputs_.norm) && std::isfinite(step.residual);
@@ -399,7 +402,10 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
   // An inaccurate solution tells nothing of the derivatives.
   if (last_accuracy_ <= first_accuracy) kept_rate_ = fresh_ ? rate_ : std::max(kept_rate_, rate_);
   // What the host left out of an approximate system may be to blame, but not where an exact one does no better.
-  if (fresh_ && rate_ >= fast_convergence) {
+  const bool is_slow = fresh_ && rate_ >= fast_convergence && last_accuracy_ <= first_accuracy;
+  const bool was_switched = step.sweeps > 0 && last_switch_ + 1 == step.sweeps;
+  slow_sweeps_ = is_slow ? slow_sweeps_ + (was_switched ? 0 : 1) : 0;
+  if (is_slow && (is_exact_ || slow_sweeps_ >= sweeps_to_blame)) {
     exact_steps_ = is_exact_ || approximate_steps_ > 0 ? 0 : max_exact_steps;
     if (is_exact_) approximate_steps_ = max_approximate_steps;
   }

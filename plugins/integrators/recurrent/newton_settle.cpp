@@ -25,18 +25,24 @@ constexpr double share_of_kept = 1e-3;
 // After this many sweeps of a step that change contacts, held nodes stay where they are.
 constexpr std::uint64_t patience = 6;
 
-// Whether outputs differ by more than rounding.
-bool differ(const springnet_vectors& a, const springnet_vectors& b, std::size_t n) noexcept {
-  double size = 0.0, difference = 0.0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double *first = axes(a)[axis], *second = axes(b)[axis];
-    for (std::size_t k = 0; k < n; ++k) {
-      size = std::max(size, std::abs(first[k]));
-      difference = std::max(difference, std::abs(first[k] - second[k]));
+// Outputs that differ by more than rounding: of any node, and of one that does not slide.
+struct Differing {
+  bool any = false, beside_sliding = false;
+  void add(const springnet_vectors& a, const springnet_vectors& b, const std::vector<std::uint8_t>& status) noexcept {
+    double size = 0.0, difference = 0.0, beside = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double *first = axes(a)[axis], *second = axes(b)[axis];
+      for (std::size_t k = 0; k < status.size(); ++k) {
+        size = std::max(size, std::abs(first[k]));
+        const double own = std::abs(first[k] - second[k]);
+        difference = std::max(difference, own);
+        if (status[k] != SPRINGNET_SLIDING) beside = std::max(beside, own);
+      }
     }
+    any = any || !(difference <= negligible * size);
+    beside_sliding = beside_sliding || !(beside <= negligible * size);
   }
-  return !(difference <= negligible * size);
-}
+};
 
 }  // namespace
 
@@ -103,7 +109,10 @@ void Newton::settle(Step& step, const springnet_state* before) {
       next_p[axis][k] = p[axis][k];
     }
   }
-  const bool changed = differ(next.position, outputs.position, n) || differ(next.velocity, outputs.velocity, n);
+  Differing differing;
+  differing.add(next.position, outputs.position, status_);
+  differing.add(next.velocity, outputs.velocity, status_);
+  const bool changed = differing.any;
   if (changed) {
     const bool may_follow =
         switched && network.rigid_count == 0 && before != nullptr && std::isfinite(at_outputs_.norm);
@@ -115,6 +124,8 @@ void Newton::settle(Step& step, const springnet_state* before) {
   }
   if (network.rigid_count > 0) linearise(step);
   if (switched || changed) ++contact_changes_;
+  // Nodes that go on sliding take the friction of these outputs, which is part of the residual.
+  if (switched || differing.beside_sliding) ++decisions_;
   if (!changed && !switched && !step.constrained()) return;
   // The derivatives may belong to another set of free nodes.
   if (switched && network.rigid_count == 0) linearised_ = false;

@@ -64,6 +64,7 @@ void Newton::start(Step& step) {
   first_ = true;
   shift_ = 0.0;
   contact_changes_ = 0;
+  slow_sweeps_ = 0;
   std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k)
     if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
