@@ -265,6 +265,10 @@ bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const laye
 }
 
 bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
+  if (assembled_next_ > 0) {
+    --assembled_next_;
+    return false;
+  }
   if (!suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
   node_responses_.clear();
   matrix_free_response_.forget();
@@ -289,10 +293,6 @@ bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layer
 }
 
 bool LinearModel::suits_matrix_free() {
-  if (assembled_next_ > 0) {
-    --assembled_next_;
-    return false;
-  }
   return model_.mass.size() >= nodes_worth_no_matrix || !is_thin();
 }
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
 
 #include "../elements/bodies.hpp"
@@ -107,6 +108,32 @@ TEST_CASE("the coarse correction is the solution among rigid motions of the grou
   }
 }
 
+TEST_CASE("nodes that no longer move leave their groups, and come back") {
+  const Heaps heaps;
+  const MatrixXd s = heaps.system(), p = heaps.motions();
+  layers::CoarseSpace coarse;
+  coarse.begin({heaps.x.data(), heaps.y.data(), heaps.z.data()}, heaps.constrained);
+  for (std::size_t k = 0; k < 50; ++k) coarse.add_block(k, k, 0.1 * Matrix3d::Identity());
+  for (const Heaps::Spring& each : heaps.springs)
+    coarse.add_spring(static_cast<std::size_t>(each.i), static_cast<std::size_t>(each.j), each.a, each.q);
+  coarse.factorise();
+  const MatrixXd inverse = (p.transpose() * s * p).inverse();
+  std::vector<std::uint8_t> held = heaps.constrained;
+  for (const Index k : {3, 4, 17}) held[static_cast<std::size_t>(k)] = 1;
+  for (const std::vector<std::uint8_t>& constrained : {held, heaps.constrained}) {
+    coarse.follow(constrained);
+    VectorXd r(3 * Heaps::nodes), moves = VectorXd::Ones(r.size());
+    for (Index i = 0; i < r.size(); ++i) r[i] = std::sin(1.0 + static_cast<double>(i));
+    for (Index k = 0; k < Heaps::nodes; ++k)
+      if (constrained[static_cast<std::size_t>(k)] != 0) moves.segment<3>(3 * k).setZero();
+    VectorXd z = VectorXd::Zero(r.size());
+    static_cast<void>(coarse.correct<3>(r.data(), z.data()));
+    const VectorXd expected = moves.cwiseProduct(p * (inverse * (p.transpose() * moves.cwiseProduct(r))));
+    CHECK((z - expected).norm() < 1e-3 * expected.norm());  // as above
+    CHECK(z.cwiseProduct(VectorXd::Ones(z.size()) - moves).isZero(0.0));
+  }
+}
+
 TEST_CASE("groups whose matrix is not positive definite are left out") {
   const Heaps heaps;
   layers::CoarseSpace coarse;
@@ -155,4 +182,51 @@ TEST_CASE("a net a thousand times stiffer than its masses takes as few iteration
     REQUIRE(generic.solve(b, 1e-3) == SPRINGNET_OK);
     CHECK(generic.x == system.x);
   }
+}
+
+TEST_CASE("groups serve until what they no longer save has cost as much as making them") {
+  // A block that turns: kept groups know its motions worse and worse.
+  Network net;
+  Lattice shape;
+  shape.nodes = {10, 10, 10};
+  shape.spacing = Vector3::Constant(0.1);
+  shape.diagonals = Diagonals::all;
+  Node prototype;
+  prototype.mass = 1.0;
+  constexpr double t = 0.02;
+  net.add_lattice("block", shape, prototype, net.add_material(damped(1000.0 / (t * t), 0.0)));
+  PreparedSystem system(net);
+  const VectorXd b = system.right_side();
+  const auto turn = [&](double angle) {
+    for (std::size_t k = 0; k < system.node_count(); ++k) {
+      const double y = system.p[1][k], z = system.p[2][k];
+      system.p[1][k] = std::cos(angle) * y - std::sin(angle) * z;
+      system.p[2][k] = std::sin(angle) * y + std::cos(angle) * z;
+    }
+  };
+  const auto iterations = [&] {
+    REQUIRE(system.prepare(t, t * t, 0.0, false) == SPRINGNET_OK);
+    REQUIRE(system.solve(b, 1e-3) == SPRINGNET_OK);
+    REQUIRE(system.answer.outcome == SPRINGNET_SOLVED);
+    const double residual = system.answer.residual;
+    CHECK(residual <= 1e-3);
+    return system.answer.iterations;
+  };
+  const std::uint64_t fresh = iterations();
+  CHECK(iterations() == fresh);  // nothing has changed
+  turn(1.5);
+  const std::uint64_t stale = iterations();
+  CHECK(stale > fresh + 5);
+  std::uint64_t now = stale;
+  for (int k = 0; k < 20 && now == stale; ++k) now = iterations();
+  CHECK(now <= fresh + 2);
+  // Another time constant needs groups of its own.
+  turn(1.5);
+  REQUIRE(system.prepare(0.5 * t, 0.25 * t * t, 0.0, false) == SPRINGNET_OK);
+  REQUIRE(system.solve(b, 1e-3) == SPRINGNET_OK);
+  CHECK(system.answer.iterations <= fresh + 2);
+  // What is kept goes with all the rest.
+  turn(1.5);
+  system.engine.forget();
+  CHECK(iterations() <= fresh + 2);
 }
