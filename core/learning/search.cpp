@@ -39,7 +39,7 @@ std::string ended_by(const std::string& failure) {
 }
 
 Minimum Search::made(Fit& fit, const VectorXd& from, const MinimiseOptions& own) const {
-  // A search that ends early needs no better derivatives. (Their error is some thousandth of this accuracy.)
+  // A search that ends early needs no better derivatives.
   constexpr double share = 0.1, finest = 1e-10, coarsest = 1e-4;
   fit.set_accuracy(std::clamp(share * own.cost_tolerance, finest, coarsest));
   const AtScopeEnd exact([&fit] { fit.set_accuracy(finest); });

@@ -52,6 +52,7 @@ void StepSolver::prepare(const springnet_evaluation& at, double w, Eigen::Index 
 }
 
 void StepSolver::begin() noexcept {
+  linear_.forget_solutions();
   may_keep_ = false;
   prepared_steps_ = 0;
   mismatch_ = transposed_mismatch_ = 0.0;

@@ -25,7 +25,7 @@ namespace springnet::proximity {
 struct Box {
   std::array<double, 3> low, high;  // m
 
-  // No branches: the outcome of each comparison is a coin's.
+  // No branches: the comparisons are unpredictable.
   [[nodiscard]] bool overlaps(const Box& other) const {
     return static_cast<int>(low[0] <= other.high[0]) & static_cast<int>(other.low[0] <= high[0]) &
            static_cast<int>(low[1] <= other.high[1]) & static_cast<int>(other.low[1] <= high[1]) &

@@ -14,6 +14,8 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 // Squared sine below which corners of a triangle, or two edges, count as nearly on one line. The weights of points
 // between the edges then lose digits; edges and ends are tried as well, which are never far.
 constexpr double nearly_parallel = 1e-6;
+// Below this the product of both directions is rounding for the most part, and points anywhere.
+constexpr double without_normal = 1e-16;
 
 // The closest points found so far. `normal` is perpendicular to both primitives at these; zero if only the difference
 // of the points says so.
@@ -125,7 +127,7 @@ Separation of_node_and_triangle(const std::array<Vector3, 4>& x) {
   if (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0) {
     best.improves(-(a + of_b * ab + of_c * ac));
     best.weights = {1.0, -of_a, -of_b, -of_c};
-    best.normal = normal;
+    if (area > without_normal * ab.squaredNorm() * ac.squaredNorm()) best.normal = normal;
     if (is_clear) best.replace(normal * (-a.dot(normal) / area));  // the rest of the difference is rounding
   }
   // A point outside of the triangle is outside of the edge that is closest to it, unless the areas are rounding.
@@ -179,7 +181,7 @@ Separation of_edges(const std::array<Vector3, 4>& x) {
       if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
         best.improves(s * e - offset - t * f);
         best.weights = {1.0 - s, s, t - 1.0, -t};
-        best.normal = normal;
+        if (area > without_normal * e.squaredNorm() * f.squaredNorm()) best.normal = normal;
       }
     }
     consider_ends(best, x);
@@ -202,7 +204,7 @@ Separation separation(PairKind kind, const std::array<Vector3, 4>& x) {
 }
 
 bool is_surely_beyond(PairKind kind, const std::array<Vector3, 4>& x, double reach) {
-  // A product of a direction and a difference exceeds what is asked for, beyond rounding.
+  // A product of a direction and a difference exceeds what is asked for.
   const auto exceeds = [reach](double product, double squared_direction) {
     return product > 0.0 && product * product > (1.0 + 1e-9) * reach * reach * squared_direction;
   };
@@ -214,8 +216,10 @@ bool is_surely_beyond(PairKind kind, const std::array<Vector3, 4>& x, double rea
   const Vector3 e = x[1] - x[0], f = x[3] - x[2], middle = (x[2] - x[0]) + 0.5 * (f - e);
   const double along = middle.squaredNorm();
   if (exceeds(along - 0.5 * (std::abs(middle.dot(e)) + std::abs(middle.dot(f))), along)) return true;
+  // The product of parallel edges is rounding and has any direction.
   const Vector3 normal = e.cross(f);
-  return exceeds(std::abs(normal.dot(middle)), normal.squaredNorm());
+  return normal.squaredNorm() > nearly_parallel * e.squaredNorm() * f.squaredNorm() &&
+         exceeds(std::abs(normal.dot(middle)), normal.squaredNorm());
 }
 
 Separation on_side(const Separation& separation, const Vector3& side) {

@@ -25,7 +25,8 @@ struct Separation {
 // that depends on nothing but the corners.
 [[nodiscard]] Separation separation(PairKind kind, const std::array<Vector3, 4>& x);
 
-// True only if the distance is greater than `reach` (m, >= 0), and for most pairs for which it is: a plane across the
+// True only if the distance is greater than `reach` (m, >= 0), up to rounding of some 1e-10 of the pair's extent, and
+// for most pairs for which it is: a plane across the
 // line between the middles of both primitives, or along both edges, is between them. A third of the cost of a distance.
 [[nodiscard]] bool is_surely_beyond(PairKind kind, const std::array<Vector3, 4>& x, double reach);
 

@@ -2,10 +2,9 @@
 //
 // Sound: no meeting is missed. A plane between two primitives that do not meet bounds their distance from below, and
 // such a plane can be followed over a span of the step, in two forms:
-//   - with a fixed normal n, n.(a_i - b_j) is linear in time for nodes a_i of the first and b_j of the second
-//   primitive,
-//     so the time at which the least of these falls to the thickness is exact (conservative advancement; B. Mirtich,
-//     Impulse-based Dynamic Simulation of Rigid Body Systems, 1996, with directions instead of speeds);
+//   - with a fixed normal n, n.(a_i - b_j) is linear in time for nodes a_i of the first primitive and b_j of the
+//     second, so the time at which the least of these falls to the thickness is exact (conservative advancement; B.
+//     Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996, with directions instead of speeds);
 //   - with a normal that goes linearly from n_0 to n_1 over the span, and is therefore nowhere longer than 1, the
 //     products are quadratic, with Bernstein coefficients n_0.D_0, (n_0.D_1 + n_1.D_0)/2, n_1.D_1 for D = a_i - b_j.
 // The first always advances, the second follows primitives that turn past each other closely. There are no cubics to

@@ -1,5 +1,5 @@
 // Work in parts that do not know each other, for threads. Parts do not depend on the number of threads, and their
-// results are put one after the other, so neither do these.
+// results are put one after the other, so neither do these. (Which of several errors is thrown may.)
 #pragma once
 
 #include <algorithm>

@@ -35,7 +35,7 @@ class NeighbourList {
   // pairs() holds at these positions: no two nodes have approached by more than the skin since the search. False if a
   // coordinate is not finite.
   [[nodiscard]] bool covers(const Positions& x) const;
-  // Searches at the next update: for what changes the primitives' thickness or what they are checked against.
+  // Searches at the next update.
   void forget() noexcept { is_valid_ = false; }
 
   // In canonical order; they depend on the positions of the last search.

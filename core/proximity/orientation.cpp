@@ -27,6 +27,8 @@ int exact_orientation(const Vector3& a, const Vector3& b, const Vector3& c, cons
 }  // namespace
 
 int orientation(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
+  const auto same = [&](int k) { return a[k] == b[k] && a[k] == c[k] && a[k] == d[k]; };
+  if (same(0) || same(1) || same(2)) return 0;  // flat nets need no rational numbers
   const Vector3 u = b - a, v = c - a, w = d - a;
   const double xy = u.x() * v.y(), yx = u.y() * v.x(), yz = u.y() * v.z(), zy = u.z() * v.y(), zx = u.z() * v.x(),
                xz = u.x() * v.z();

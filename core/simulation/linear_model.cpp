@@ -51,7 +51,6 @@ void LinearModel::forget() noexcept {
   sweep_.reset();
   last_response_ = &response_;
   at_hand_ = indefinite_ = false;
-  matrix_free_.forget();
   topology_changed();
 }
 
@@ -226,6 +225,7 @@ springnet_status LinearModel::prepare(const springnet_linear_system& request) {
   const layers::SystemWeights weights{request.velocity_weight, request.position_weight, request.shift};
   if (request.at != nullptr) {
     if (request.exact == 0 && prepare_matrix_free(*request.at, weights)) return SPRINGNET_OK;
+    if (request.exact == 0 && assembled_next_ > 0) --assembled_next_;
     begin_system(weights);
     if (const springnet_status status = linearise(*request.at, 0.0, weights.velocity); status != SPRINGNET_OK)
       return status;
@@ -265,11 +265,7 @@ bool LinearModel::prepare_matrix_free(const springnet_evaluation& at, const laye
 }
 
 bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layers::SystemWeights& weights) {
-  if (assembled_next_ > 0) {
-    --assembled_next_;
-    return false;
-  }
-  if (!suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
+  if (assembled_next_ > 0 || !suits_matrix_free() || !matrix_free_.fits() || model_.rigid.any()) return false;
   node_responses_.clear();
   matrix_free_response_.forget();
   const RowsAside aside(model_.constraints);
@@ -292,9 +288,7 @@ bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layer
   return true;
 }
 
-bool LinearModel::suits_matrix_free() {
-  return model_.mass.size() >= nodes_worth_no_matrix || !is_thin();
-}
+bool LinearModel::suits_matrix_free() { return model_.mass.size() >= nodes_worth_no_matrix || !is_thin(); }
 
 bool LinearModel::is_thin() {
   if (!thin_) thin_ = layers::is_thin(model_.layout);
@@ -369,6 +363,7 @@ springnet_status LinearModel::solve_prepared(springnet_linear_solve& request) {
       answered(matrix_free_.solve(request.accuracy, max_solver_iterations, b, request.x));
       request.iterations += iterations_before;
     }
+    if (request.outcome == SPRINGNET_SOLVED) assembled_after_stall_ = least_assembled;
     if (request.outcome != SPRINGNET_STALLED || model_.deadline.has_passed()) return SPRINGNET_OK;
     assembled_next_ = assembled_after_stall_;
     assembled_after_stall_ = std::min(2 * assembled_after_stall_, most_assembled);

@@ -68,14 +68,20 @@ class LinearModel {
   void project_accelerations(bool transposed, double* values);
   // Drops derivatives, the prepared system and patterns.
   void forget() noexcept;
+  // Drops what solutions of systems without a matrix keep for the next ones, so that those to come depend on
+  // themselves alone.
+  void forget_solutions() noexcept {
+    matrix_free_.forget();
+    assembled_next_ = 0;
+    assembled_after_stall_ = least_assembled;
+  }
   // To be called after springs or elements were removed.
   void topology_changed() noexcept {
     blocks_.topology_changed();
     system_.topology_changed();
     prepared_ = Prepared::nothing;
     thin_.reset();
-    assembled_next_ = 0;
-    assembled_after_stall_ = least_assembled;
+    forget_solutions();
     if (factors_.owner == Factors::Owner::system) factors_.owner = Factors::Owner::nobody;
     factors_.current = false;
   }
@@ -131,7 +137,7 @@ class LinearModel {
   layers::BlockSystem system_;
   layers::IterativeSolver solver_;
   layers::MatrixFree matrix_free_;
-  // Systems that are assembled from here on, as a solution without a matrix has stalled; and after the next that does.
+  // Systems that are still to be assembled after a solution without a matrix has stalled; and how many after the next.
   static constexpr std::uint32_t least_assembled = 16, most_assembled = 1024;
   std::uint32_t assembled_next_ = 0, assembled_after_stall_ = least_assembled;
   std::vector<double> linearised_at_;  // [3 node] m

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -69,12 +68,6 @@ PairLists found_by(PairSearch& search, const Positions& start, const Positions& 
   PairLists found;
   search.find(start, end, margin, found);
   return found;
-}
-
-double seconds_of(const auto& call) {
-  const auto start = std::chrono::steady_clock::now();
-  call();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -233,26 +226,22 @@ TEST_CASE("parts of the leaves, in any order, visit the pairs that all of them v
   CHECK(visited(7) == all);
 }
 
-TEST_CASE("one great triangle, far nodes and a great common offset change neither pairs nor time much") {
+TEST_CASE("one great triangle, far nodes and a great common offset change no pairs") {
   Surfaces surfaces;
   add_folded_sheet(surfaces, 60, 0.01, 10, 5e-4, Vector3::Zero(), 5e-4, 0);
-  const auto time_of = [](const Surfaces& net, PairLists& found) {
+  const auto search_in = [](const Surfaces& net, PairLists& found) {
     const Primitives primitives(net.lists({{0, 0}}));
-    return seconds_of([&] {
-      PairSearch search(primitives);
-      search.find(net.positions(), 1e-3, found);
-    });
+    PairSearch search(primitives);
+    search.find(net.positions(), 1e-3, found);
   };
   PairLists alone, with_others;
-  const double time = time_of(surfaces, alone);
+  search_in(surfaces, alone);
   Surfaces larger = surfaces;
   const NodeIndex a = larger.add({-100, -100, -1}), b = larger.add({100, -100, -1}), c = larger.add({0, 1e9, -1});
   larger.triangles.push_back({{a, b, c}, 5e-4, 0});
-  const double time_with_others = time_of(larger, with_others);
+  search_in(larger, with_others);
   CHECK(alone.size() > 1000);
   CHECK(with_others.of_kind == alone.of_kind);
-  // A tree whose parts were cut into equal lengths would take 3600 times as long; other programs share the processor.
-  CHECK(time_with_others < 20.0 * time + 0.1);
 }
 
 TEST_CASE("positions that have collapsed end with an error, within bounded time and memory") {

@@ -23,8 +23,8 @@ class PairDice {
   Vector3 grid_vector(int size) { return Vector3(whole(-size, size), whole(-size, size), whole(-size, size)); }
 
   // shape 0: anywhere; 1: on a coarse grid, where parts coincide, lie on one line or in one plane; 2: all in one plane;
-  // 3: a primitive without area or length; 4: slivers; 5: far from the origin
-  static constexpr int shapes = 6;
+  // 3: a primitive without area or length; 4: slivers; 5: far from the origin; 6: on one line, or on two side by side
+  static constexpr int shapes = 7;
   Corners corners(int shape) {
     Corners x;
     for (Vector3& corner : x) corner = shape == 1 ? grid_vector(2) : vector(1.0);
@@ -38,6 +38,11 @@ class PairDice {
     if (shape == 4) {
       x[3] = x[2] + number(-1.0, 1.0) * (x[2] - x[1]) + vector(1e-7);
       if (whole(0, 1) == 0) x[1] = x[0] + (x[3] - x[2]) + vector(1e-7);
+    }
+    if (shape == 6) {
+      const Vector3 along = x[1] - x[0], aside = whole(0, 1) * 0.3 * vector(1.0);
+      x[2] = x[0] + number(-0.5, 1.5) * along + aside;
+      x[3] = x[0] + number(-0.5, 1.5) * along + aside;
     }
     if (shape == 5)
       for (Vector3& corner : x) corner += Vector3(1e3, -2e3, 3e3);

@@ -193,6 +193,8 @@ void CoarseSpace::follow(const std::vector<std::uint8_t>& constrained) {
 
 void CoarseSpace::solve() {
   for (std::size_t i = 0; i < scale_.size(); ++i) solution_[i] = scale_[i] * right_[i];
+  // A number that is not finite would stay in the padding.
+  std::fill(solution_.begin() + static_cast<std::ptrdiff_t>(scale_.size()), solution_.end(), 0.0F);
   kernels_.substitute(lower_.data(), upper_.data(), inverse_.data(), solution_.size(), solution_.data());
   for (std::size_t i = 0; i < scale_.size(); ++i) solution_[i] *= scale_[i];
 }

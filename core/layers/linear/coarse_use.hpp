@@ -1,5 +1,5 @@
-// How long a coarse space serves: making one takes as long as some iterations, and what it saves of them falls while
-// the matrix goes on changing. It is made anew once it has cost about as many as that takes.
+// When a coarse space that is kept from system to system is made anew: once the iterations beyond those of a new one
+// add up to the cost of making it.
 #pragma once
 
 #include <algorithm>
@@ -30,26 +30,26 @@ class CoarseUse {
     return same(weights.velocity, weights_.velocity) && same(weights.position, weights_.position) &&
            same(weights.shift, weights_.shift) && excess_ < cost_of_renewal;
   }
-  // After a solution, of systems with one right-hand side each.
-  void count(const SolveAnswer& answer) noexcept {
+  // After a solution. products: of the matrix, in an iteration.
+  void count(const SolveAnswer& answer, double products) noexcept {
     const double reduction = -sdk::log(answer.residual);
     if (!(reduction > 0.0) || !std::isfinite(reduction)) return;
-    const double iterations = answer.iterations;
-    const double own = iterations / reduction;
+    const double work = products * answer.iterations;
+    const double own = work / reduction;
     mean_ = solutions_ == 0 ? own : mean_ + share_of_new * (own - mean_);
     least_ = solutions_ < solutions_of_new ? mean_ : std::min(least_, mean_);
     if (solutions_ < solutions_of_new) ++solutions_;
-    excess_ += iterations - least_ * reduction;
+    excess_ += work - least_ * reduction;
   }
 
  private:
-  static constexpr double cost_of_renewal = 20.0;  // iterations
+  static constexpr double cost_of_renewal = 30.0;  // products
   static constexpr int solutions_of_new = 3;       // until the mean says something
   static constexpr double share_of_new = 0.3;
   SystemWeights weights_;
   int solutions_ = 0;
-  double mean_ = 0.0, least_ = 0.0;  // iterations by the logarithm of the reduction, of the last solutions
-  double excess_ = 0.0;              // iterations beyond the least since it is in use
+  double mean_ = 0.0, least_ = 0.0;  // products by the logarithm of the reduction, of the last solutions
+  double excess_ = 0.0;              // products beyond the least, since the last renewal
 };
 
 }  // namespace springnet::layers

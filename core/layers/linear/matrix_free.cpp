@@ -96,6 +96,7 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
                          const SystemWeights& weights, const std::vector<NodeResponse>& responses) {
   lay_out();
   responses_.set(responses);
+  velocity_weight_ = weights.velocity;
   const std::size_t used = responses_.symmetric() ? 6 : vectors_.size();
   for (std::size_t i = 0; i < used; ++i) vectors_[i].resize(4 * layout_.node_count());
   if (!set_own_blocks(time, nodes, external, weights)) return false;
@@ -116,12 +117,12 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
   if (!invert_blocks()) return false;
   prepare_coarse(nodes, weights);
-  return add_responses(weights);
+  return add_responses();
 }
 
-bool MatrixFree::add_responses(const SystemWeights& weights) {
+void MatrixFree::add_additions(double share) {
   responses_.for_each_addition([&](std::uint32_t node, const Eigen::Matrix3d& extra, const Eigen::Matrix3d& slip) {
-    const Eigen::Matrix3d all = mass_[node] / unit_ * (extra - weights.velocity * slip);
+    const Eigen::Matrix3d all = share * mass_[node] / unit_ * (extra - velocity_weight_ * slip);
     for (Eigen::Index c = 0; c < 3; ++c) {
       for (Eigen::Index r = 0; r < 3; ++r) {
         own_[12 * std::size_t{node} + static_cast<std::size_t>(4 * c + r)] += all(r, c);
@@ -129,6 +130,10 @@ bool MatrixFree::add_responses(const SystemWeights& weights) {
       }
     }
   });
+}
+
+bool MatrixFree::add_responses() {
+  add_additions(1.0);
   isotropic_ = isotropic_ && !responses_.any();
   if (!isotropic_) own_single_.assign(own_.begin(), own_.end());
   return responses_.for_each_inverse(
@@ -158,7 +163,7 @@ bool MatrixFree::invert_blocks() {
 }
 
 void MatrixFree::prepare_coarse(const NodeArrays& nodes, const SystemWeights& weights) {
-  coarse_is_kept_ = coarse_.any() && coarse_use_.serves(weights);
+  coarse_is_kept_ = coarse_.any() && unit_ == coarse_unit_ && coarse_use_.serves(weights);
   if (coarse_is_kept_) return coarse_.follow(constrained_);
   make_coarse({nodes.px, nodes.py, nodes.pz});
   coarse_use_.begin(weights);
@@ -166,7 +171,10 @@ void MatrixFree::prepare_coarse(const NodeArrays& nodes, const SystemWeights& we
 
 bool MatrixFree::renews(const std::array<const double*, 3>& position) {
   if (!std::exchange(coarse_is_kept_, false)) return false;
+  const FlushDenormals flush;
+  add_additions(-1.0);
   make_coarse(position);
+  add_additions(1.0);
   coarse_use_.begin_again();
   return true;
 }
@@ -174,6 +182,7 @@ bool MatrixFree::renews(const std::array<const double*, 3>& position) {
 // Of springs and masses alone.
 void MatrixFree::make_coarse(const std::array<const double*, 3>& position) {
   coarse_.clear();
+  coarse_unit_ = unit_;
   const std::size_t n = layout_.node_count();
   double stiffness = 0.0, inertia = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
@@ -365,7 +374,7 @@ SolveAnswer MatrixFree::solve(double accuracy, std::uint32_t max_iterations, con
 #pragma omp parallel num_threads(static_cast <int>(threads))
     run(static_cast<unsigned>(omp_get_num_threads()), static_cast<unsigned>(omp_get_thread_num()));
   }
-  if (coarse_.any()) coarse_use_.count(answer);
+  if (coarse_.any()) coarse_use_.count(answer, responses_.symmetric() ? 1.0 : 2.0);
   const std::size_t n = layout_.node_count();
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t k = 0; k < n; ++k) x[c * n + k] = solution_[4 * k + c];

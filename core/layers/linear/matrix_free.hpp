@@ -92,7 +92,9 @@ class MatrixFree {
   [[nodiscard]] bool invert_blocks();
   void set_inverse(std::size_t node, const Eigen::Matrix3d& inverse);
   // The responses' parts of own_, blocks_ and inverses. False: one has none.
-  [[nodiscard]] bool add_responses(const SystemWeights& weights);
+  [[nodiscard]] bool add_responses();
+  // Their parts of own_ and blocks_ alone, times a share.
+  void add_additions(double share);
   // In single precision: vectors_[1] of vectors_[0].
   SolveAnswer solve_once(Team& team, double accuracy, std::uint32_t max_iterations);
   // In one thread of the team.
@@ -130,6 +132,8 @@ class MatrixFree {
   double coarse_part_ = 0.0;
   CoarseUse coarse_use_;
   bool coarse_is_kept_ = false;
+  double coarse_unit_ = 0.0;         // kg, in which it is
+  double velocity_weight_ = 0.0;     // s
   std::vector<float> mass_in_unit_;  // [node]
   NodeResponses responses_;
   std::array<std::vector<float>, 8> vectors_;             // b, x, and of work; the last two for BiCGSTAB alone

@@ -29,8 +29,8 @@ constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
 // A step from a guess that has not settled after this many sweeps, nor is about to, starts again from its start: a
 // guess may lead contacts into a cycle.
 constexpr std::uint64_t patience_with_guess = 12;
-// As many slow sweeps in turn, but for those after contacts changed, put the blame on what a system leaves out.
-constexpr int sweeps_to_blame = 2;
+// Slow sweeps in turn, not counting those right after contacts changed, before systems are exact.
+constexpr int sweeps_to_blame = 3;
 // Steps in which systems are exact after an approximate one has converged slowly; and in which they are not, after an
 // exact one has, too.
 constexpr int max_exact_steps = 16, max_approximate_steps = 64;
@@ -331,6 +331,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
 void Newton::sweep(Step& step) {
   if (guessed_ && step.sweeps >= patience_with_guess && !(rate_ < fast_convergence)) start_again(step);
   std::uint64_t decisions = decisions_;
+  double before_contact = 0.0;  // residual of the outputs by which contacts are decided, N
   const double norm_before = at_outputs_.norm;
   for (int tries = 1;; ++tries) {
     springnet_state& start = *step.outputs;
@@ -347,6 +348,7 @@ void Newton::sweep(Step& step) {
       continue;
     }
     if (!step.constrained()) break;
+    before_contact = greatest_force(step, at_outputs_.residual);
     try {
       settle(step, &start);
       break;
@@ -367,7 +369,7 @@ void Newton::sweep(Step& step) {
   step.norm = at_outputs_.norm;
   step.rate = rate_;
   // Contacts just decided may change again; forces of rigid connections belong to the sweep before.
-  step.residual_decides = decisions_ == decisions && step.network.rigid_count == 0;
+  step.residual_decides = decisions_ == decisions && before_contact <= step.tolerance && step.network.rigid_count == 0;
   ++step.sweeps;
   step.evaluated = true;
   step.finite = std::isfinite(at_outputs_.norm) && std::isfinite(step.residual);
@@ -403,8 +405,7 @@ bool Newton::advance(Step& step, springnet_state& candidate) {
   if (last_accuracy_ <= first_accuracy) kept_rate_ = fresh_ ? rate_ : std::max(kept_rate_, rate_);
   // What the host left out of an approximate system may be to blame, but not where an exact one does no better.
   const bool is_slow = fresh_ && rate_ >= fast_convergence && last_accuracy_ <= first_accuracy;
-  const bool was_switched = step.sweeps > 0 && last_switch_ + 1 == step.sweeps;
-  slow_sweeps_ = is_slow ? slow_sweeps_ + (was_switched ? 0 : 1) : 0;
+  slow_sweeps_ = is_slow ? slow_sweeps_ + (switched_ ? 0 : 1) : 0;
   if (is_slow && (is_exact_ || slow_sweeps_ >= sweeps_to_blame)) {
     exact_steps_ = is_exact_ || approximate_steps_ > 0 ? 0 : max_exact_steps;
     if (is_exact_) approximate_steps_ = max_approximate_steps;

@@ -119,6 +119,7 @@ class Newton final : public Rule {
   bool first_ = false;                          // first sweep of a step
   bool guessed_ = false;                        // that step starts from a guess
   int exact_steps_ = 0;                         // in which the linear system is to be exact
+  bool switched_ = false;                       // contacts changed in the last settle()
   int slow_sweeps_ = 0;                         // in turn, with derivatives of their own
   int approximate_steps_ = 0;                   // in which it is not to be
   bool is_exact_ = false;                       // the prepared system
@@ -135,7 +136,7 @@ class Newton final : public Rule {
   std::uint64_t last_switch_ = 0;                  // sweep of the step that changed contacts
   double norm_at_change_ = 0.0;                    // of the residual, kg^1/2 m/s, after the last of these
   std::uint64_t contact_changes_ = 0;              // sweeps of the step that changed contacts
-  std::uint64_t decisions_ = 0;                    // the same without those in which nodes only went on sliding
+  std::uint64_t decisions_ = 0;  // settle() that left contacts open, or changed more than what goes on sliding
 };
 
 }  // namespace springnet::recurrent

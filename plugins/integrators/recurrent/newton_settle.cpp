@@ -125,7 +125,8 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (network.rigid_count > 0) linearise(step);
   if (switched || changed) ++contact_changes_;
   // Nodes that go on sliding take the friction of these outputs, which is part of the residual.
-  if (switched || differing.beside_sliding) ++decisions_;
+  if (switched || differing.beside_sliding || is_early) ++decisions_;
+  switched_ = switched;
   if (!changed && !switched && !step.constrained()) return;
   // The derivatives may belong to another set of free nodes.
   if (switched && network.rigid_count == 0) linearised_ = false;

@@ -65,6 +65,7 @@ void Newton::start(Step& step) {
   shift_ = 0.0;
   contact_changes_ = 0;
   slow_sweeps_ = 0;
+  switched_ = false;
   std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k)
     if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
