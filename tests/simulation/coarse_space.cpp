@@ -73,6 +73,21 @@ struct Heaps {
   std::vector<Spring> springs;
 };
 
+constexpr double t = 0.02;  // s
+
+// 1000 nodes with k t^2 / m of 1000.
+Network stiff_block() {
+  Network net;
+  Lattice shape;
+  shape.nodes = {10, 10, 10};
+  shape.spacing = Vector3::Constant(0.1);
+  shape.diagonals = Diagonals::all;
+  Node prototype;
+  prototype.mass = 1.0;
+  net.add_lattice("block", shape, prototype, net.add_material(damped(1000.0 / (t * t), 0.0)));
+  return net;
+}
+
 }  // namespace
 
 TEST_CASE("the coarse correction is the solution among rigid motions of the groups") {
@@ -149,15 +164,7 @@ TEST_CASE("groups whose matrix is not positive definite are left out") {
 
 TEST_CASE("a net a thousand times stiffer than its masses takes as few iterations as its groups allow") {
   // 1000 nodes hang from one face; with blocks of single nodes alone a solution takes more than 100 iterations.
-  Network net;
-  Lattice shape;
-  shape.nodes = {10, 10, 10};
-  shape.spacing = Vector3::Constant(0.1);
-  shape.diagonals = Diagonals::all;
-  Node prototype;
-  prototype.mass = 1.0;
-  constexpr double t = 0.02;
-  net.add_lattice("block", shape, prototype, net.add_material(damped(1000.0 / (t * t), 0.0)));
+  Network net = stiff_block();
   for (NodeIndex k = 0; k < 100; ++k) net.fix(k);
   // Without a matrix; and with one, as a net with a rod has it.
   for (const bool assembled : {false, true}) {
@@ -186,15 +193,7 @@ TEST_CASE("a net a thousand times stiffer than its masses takes as few iteration
 
 TEST_CASE("groups serve until what they no longer save has cost as much as making them") {
   // A block that turns: kept groups know its motions worse and worse.
-  Network net;
-  Lattice shape;
-  shape.nodes = {10, 10, 10};
-  shape.spacing = Vector3::Constant(0.1);
-  shape.diagonals = Diagonals::all;
-  Node prototype;
-  prototype.mass = 1.0;
-  constexpr double t = 0.02;
-  net.add_lattice("block", shape, prototype, net.add_material(damped(1000.0 / (t * t), 0.0)));
+  Network net = stiff_block();
   PreparedSystem system(net);
   const VectorXd b = system.right_side();
   const auto turn = [&](double angle) {
