@@ -20,7 +20,8 @@ ConstraintSet::ConstraintSet(const Network& network, const std::vector<std::uint
                              const std::vector<std::uint32_t>& engine_number, const std::vector<double>& mass)
     : mass_(mass),
       contact_(network, user_number, engine_number, mass),
-      rigid_(network, user_number, engine_number, mass, contact_) {}
+      rigid_(network, user_number, engine_number, mass, contact_),
+      bodies_(network, user_number, engine_number) {}
 
 bool ConstraintSet::is_lone(std::uint32_t node) const noexcept {
   const std::uint32_t* const clusters = rigid_.cluster_of();

@@ -12,6 +12,7 @@
 #include <springnet/sdk/plugin.h>
 #include <springnet/network.hpp>
 
+#include "constraints/body_contacts.hpp"
 #include "constraints/constraint_system.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/rigid.hpp"
@@ -30,6 +31,8 @@ class ConstraintSet {
   [[nodiscard]] Contact& contact() noexcept { return contact_; }
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
   [[nodiscard]] const RigidConnections& rigid() const noexcept { return rigid_; }
+  [[nodiscard]] BodyContacts& bodies() noexcept { return bodies_; }
+  [[nodiscard]] const BodyContacts& bodies() const noexcept { return bodies_; }
 
   // ---- states ----
   // Sets positions and velocities of fixed, prescribed and sticking nodes: fixed ones stay as in `start` (m, an earlier
@@ -126,6 +129,7 @@ class ConstraintSet {
   const std::vector<double>& mass_;
   Contact contact_;
   RigidConnections rigid_;
+  BodyContacts bodies_;
   Linearised linearised_;
 };
 

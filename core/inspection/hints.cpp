@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "constraints/body_contacts.hpp"
 #include "constraints/obstacle.hpp"
 #include "network/kinks.hpp"
 #include "text/counted.hpp"
@@ -151,11 +152,26 @@ void hint_at_starts(const StartingNetwork& start, std::vector<Hint>& hints) {
   }
 }
 
+void hint_at_overlaps(const Network& network, std::vector<Hint>& hints) {
+  constexpr std::size_t most = 10;
+  const std::vector<StartingOverlap> found = starting_overlaps(network, most);
+  if (found.empty()) return;
+  std::string text;
+  for (const StartingOverlap& each : found)
+    text += fmt::format("{}{} by {:.3g} m", text.empty() ? "" : "; ", each.pair, each.depth);
+  hints.push_back(
+      {Hint::Kind::start,
+       fmt::format("Bodies begin in each other: a run is refused. Nearer than their thickness are {}{}. Move "
+                   "the bodies apart, or make them thinner.",
+                   found.size() < most ? "" : "most of all ", text)});
+}
+
 // Whether something may stop a fall: a plane facing against gravity, or any instrument.
 bool something_is_below(const Network& network) {
   const Vector3& g = network.gravity();
-  return !network.instruments().empty() || std::any_of(network.planes().begin(), network.planes().end(),
-                                                       [&](const Plane& plane) { return plane.normal.dot(g) < 0.0; });
+  return !network.instruments().empty() || !network.contacts().empty() ||
+         std::any_of(network.planes().begin(), network.planes().end(),
+                     [&](const Plane& plane) { return plane.normal.dot(g) < 0.0; });
 }
 
 void hint_at_falls(const Network& network, const std::vector<std::uint32_t>& part, const Inspection& found,
@@ -254,6 +270,7 @@ std::vector<Hint> find_hints(const StartingNetwork& start, const std::vector<std
   hint_at_sizes(start, hints);
   hint_at_gravity(network, hints);
   hint_at_starts(start, hints);
+  hint_at_overlaps(start.network(), hints);
   hint_at_falls(network, part, found, hints);
   hint_at_time_step(found, hints);
   hint_at_kinks(network, hints);

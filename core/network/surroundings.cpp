@@ -192,6 +192,41 @@ void Network::add_instrument(const Instrument& instrument) {
   if (added.turn) added.turn->axis = to_unit(added.turn->axis);
 }
 
+void Network::set_extent(std::size_t body, double thickness, double radius) {
+  if (body >= bodies_.size()) fail(fmt::format("there is no body {}; there are {}", body, bodies_.size()));
+  for (const auto& [value, what] : {std::pair(thickness, "thickness"), std::pair(radius, "radius")}) {
+    if (!(std::isfinite(value) && value >= 0)) {
+      fail(fmt::format("body '{}': its {} must be a finite number of at least 0 m, is {}", bodies_[body].name, what,
+                       value));
+    }
+  }
+  bodies_[body].thickness = thickness;
+  bodies_[body].radius = radius;
+}
+
+void Network::add_contact(const BodyContact& contact) {
+  const std::string who = contact.name.empty() ? "a contact of bodies" : fmt::format("contact '{}'", contact.name);
+  if (contact.first.empty()) fail(fmt::format("{}: its first side has no nodes", who));
+  BodyContact added = contact;
+  for (std::vector<NodeIndex>* side : {&added.first, &added.second}) {
+    sort(*side);
+    for (const NodeIndex node : *side) {
+      if (node >= nodes_.size()) fail(fmt::format("{}: there is no node {}; there are {}", who, node, nodes_.size()));
+      const bool has_body = std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+        return node >= body.first_node && node - body.first_node < body.node_count;
+      });
+      if (!has_body) fail(fmt::format("{}: node {} is of no body, which says how thick it is", who, node));
+    }
+  }
+  const auto same = [&](const BodyContact& other) { return !contact.name.empty() && contact.name == other.name; };
+  if (std::any_of(contacts_.begin(), contacts_.end(), same))
+    fail(fmt::format("there are two contacts '{}': rename one", contact.name));
+  check_friction(contact.friction, who);
+  if (!(contact.restitution >= 0 && contact.restitution <= 1))
+    fail(fmt::format("{}: its restitution must be 0 to 1, is {}", who, contact.restitution));
+  contacts_.push_back(std::move(added));
+}
+
 void Network::add_move(const Move& move) {
   check_motion(move.motion, "a motion of nodes");
   Move added = move;
@@ -251,6 +286,7 @@ Network Network::without_constraints() const {
   Network result(*this);
   result.planes_.clear();
   result.instruments_.clear();
+  result.contacts_.clear();
   result.rigids_.clear();
   result.rigid_ends_.clear();
   return result;

@@ -105,6 +105,8 @@ std::string to_json(const RunSummary& summary) {
       {"slipped", summary.events.slipped},
       {"stuck", summary.events.stuck},
       {"jammed", summary.events.jammed},
+      {"met", summary.events.met},
+      {"parted", summary.events.parted},
       {"enclosed_volumes", volumes},
       {"wall_s", summary.wall},
       {"output_wall_s", summary.output_wall},

@@ -235,6 +235,11 @@ std::vector<Shape> read_bodies(const Table& root, const PluginHost& plugins, con
     shapes.push_back(
         BodyReader{.body = body, .name = name.text(), .plugins = plugins, .files = files, .scene = scene}.read());
     placed_by(body).at_this_place([&] { check_spacing(network, before); });
+    // A sheet is as thick in contact as it is.
+    const auto of_surface = body.find("surface_thickness"), of_sheet = body.find("thickness");
+    const auto radius = body.find("radius");
+    const double thickness = of_surface ? of_surface->number_from_0("m") : of_sheet ? of_sheet->number_above_0("m") : 0;
+    network.set_extent(network.bodies().size() - 1, thickness, radius ? radius->number_from_0("m") : 0.0);
     if (const auto scale = body.find("rest_length_scale")) scale_rest_lengths(*scale, network);
   }
   if (network.nodes().empty()) root.fail("the scene has no body; add a [[body]]");

@@ -3,11 +3,27 @@
 #include <springnet/error.hpp>
 #include <springnet/scene.hpp>
 
+#include "constraints/body_contacts.hpp"
 #include "constraints/obstacle.hpp"
 
 namespace springnet {
 
+namespace {
+
+void check_bodies(const Scene& scene) {
+  if (scene.network.contacts().empty()) return;
+  const std::string where = scene.contacts.empty() ? "" : scene.contacts.front() + ": ";
+  try {
+    check_apart(scene.network);
+  } catch (const Error& error) {
+    throw Error(error.kind(), where + error.what());
+  }
+}
+
+}  // namespace
+
 void check_starts(const Scene& scene) {
+  check_bodies(scene);
   const NodeList& nodes = scene.network.nodes();
   const double size = size_of(scene.network);
   std::size_t place = 0;

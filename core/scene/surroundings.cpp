@@ -81,20 +81,25 @@ Friction read_friction(const Value& value) {
   return {value.choice({"held", "none"}) == 0 ? Friction::Kind::held : Friction::Kind::none, 0.0};
 }
 
-// The keys common to planes and instruments.
-template <class PlaneOrInstrument>
-void read_obstacle(const Table& table, PlaneOrInstrument& obstacle) {
-  if (const auto name = table.find("name")) obstacle.name = name->text();
-  if (const auto friction = table.find("friction")) obstacle.friction = read_friction(*friction);
-  if (const auto motion = table.find("motion")) obstacle.motion = read_motion(motion->table("motion"));
-  if (const auto turn = table.find("turn")) obstacle.turn = read_turn(turn->table("turn"));
+// The keys common to planes, instruments and contacts of bodies.
+template <class Contact>
+void read_touch(const Table& table, Contact& contact) {
+  if (const auto name = table.find("name")) contact.name = name->text();
+  if (const auto friction = table.find("friction")) contact.friction = read_friction(*friction);
   if (const auto restitution = table.find("restitution")) {
-    obstacle.restitution = restitution->number_from_0("");
-    if (obstacle.restitution > 1) {
+    contact.restitution = restitution->number_from_0("");
+    if (contact.restitution > 1) {
       restitution->fail(
-          fmt::format("must be at most 1, is {}; 1 gives a node all of its speed back", obstacle.restitution));
+          fmt::format("must be at most 1, is {}; 1 gives a node all of its speed back", contact.restitution));
     }
   }
+}
+
+template <class PlaneOrInstrument>
+void read_obstacle(const Table& table, PlaneOrInstrument& obstacle) {
+  read_touch(table, obstacle);
+  if (const auto motion = table.find("motion")) obstacle.motion = read_motion(motion->table("motion"));
+  if (const auto turn = table.find("turn")) obstacle.turn = read_turn(turn->table("turn"));
 }
 
 void read_move(const Table& table, Network& network) {
@@ -103,6 +108,20 @@ void read_move(const Table& table, Network& network) {
   const Value selection = table.need("select");
   const Move move{select_nodes(selection, network), read_motion(table)};
   selection.at_this_place([&] { network.add_move(move); });
+}
+
+void read_contact(const Table& table, Network& network) {
+  BodyContact contact;
+  const Value between = table.need("between");
+  const std::vector<Value> sides = between.elements();
+  if (sides.empty() || sides.size() > 2) {
+    between.fail(
+        fmt::format("must have one or two selections of nodes, has {}; one: of nodes with each other", sides.size()));
+  }
+  contact.first = select_nodes(sides[0], network);
+  if (sides.size() == 2) contact.second = select_nodes(sides[1], network);
+  read_touch(table, contact);
+  table.value().at_this_place([&] { network.add_contact(contact); });
 }
 
 void read_plane(const Table& table, Network& network) {
@@ -179,6 +198,10 @@ void read_surroundings(const Table& root, Scene& scene) {
   Network& network = scene.network;
   check_count(root.tables("plane"), root.tables("instrument"), network.nodes().size());
   for (const Value& value : root.tables("move")) read_move(value.table("move"), network);
+  for (const Value& value : root.tables("contact")) {
+    read_contact(value.table("contact"), network);
+    scene.contacts.push_back(value.where());
+  }
   for (const Value& value : root.tables("plane")) {
     read_plane(value.table("plane"), network);
     scene.surfaces.push_back(value.where());

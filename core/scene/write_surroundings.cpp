@@ -50,13 +50,15 @@ std::string turn_text(const Turn& turn) {
   return table.text();
 }
 
+std::string friction_text(const Friction& friction) {
+  if (friction.kind == Friction::Kind::coulomb) return number(friction.coefficient);
+  return in_quotes(friction.kind == Friction::Kind::held ? "held" : "none");
+}
+
 template <class PlaneOrInstrument>
 void write_obstacle(const PlaneOrInstrument& obstacle, Document& out) {
   if (!obstacle.name.empty()) out.add("name", in_quotes(obstacle.name));
-  const Friction& friction = obstacle.friction;
-  out.add("friction", friction.kind == Friction::Kind::held   ? in_quotes("held")
-                      : friction.kind == Friction::Kind::none ? in_quotes("none")
-                                                              : number(friction.coefficient));
+  out.add("friction", friction_text(obstacle.friction));
   out.add("restitution", number(obstacle.restitution));
   if (obstacle.motion) {
     Inline motion;
@@ -147,6 +149,18 @@ void write_surroundings(const Network& network, Document& out) {
     out.begin("[[move]]");
     out.add("select", Inline().add("nodes", whole_numbers(move.nodes)).text());
     add_motion(move.motion, [&](const char* key, const std::string& value) { out.add(key, value); });
+  }
+  for (const BodyContact& contact : network.contacts()) {
+    out.begin("[[contact]]");
+    if (!contact.name.empty()) out.add("name", in_quotes(contact.name));
+    const auto selection = [](const std::vector<NodeIndex>& nodes) {
+      return Inline().add("nodes", whole_numbers(nodes)).text();
+    };
+    out.add("between", contact.second.empty()
+                           ? fmt::format("[{}]", selection(contact.first))
+                           : fmt::format("[{}, {}]", selection(contact.first), selection(contact.second)));
+    out.add("friction", friction_text(contact.friction));
+    out.add("restitution", number(contact.restitution));
   }
   for (const Plane& plane : network.planes()) {
     out.begin("[[plane]]");

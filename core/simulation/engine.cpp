@@ -14,6 +14,7 @@
 #include "simulation/local_force.hpp"
 #include "simulation/parameter_model.hpp"
 #include "simulation/start.hpp"
+#include "simulation/verlet_contact.hpp"
 
 namespace springnet {
 
@@ -37,6 +38,7 @@ Engine::Engine(const Network& network, const PluginHost& plugins, const Simulati
   if (topology_.perform_due_ruptures() != SPRINGNET_OK) throw Error(ErrorKind::simulation, model_.journal.message.text);
   model_.scales = find_scales(model_);
   start_constraints(model_, size_of(network));
+  check_apart(network);
   changes_.perform_due();
 }
 

@@ -22,7 +22,7 @@ namespace springnet {
 
 class LocalForceModel;
 class ParameterModel;
-class VerletContact;
+struct VerletStep;
 
 class Engine {
  public:
@@ -103,7 +103,7 @@ class Engine {
   ImpulseLedger ledger_;
   ScheduledChanges changes_;
   std::unique_ptr<DissipationLedger> dissipation_;  // null: not asked for
-  std::shared_ptr<VerletContact> verlet_;           // contact in the last step of velocity Verlet; null: none
+  std::unique_ptr<VerletStep> verlet_;              // contact in the last step of velocity Verlet; null: none
   bool swept_ = false;                              // the last commit was one of sweeps; false after forget()
   Reactions reactions_;
   std::unique_ptr<LocalForceModel> local_force_;  // null: not asked for yet

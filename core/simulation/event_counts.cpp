@@ -31,6 +31,12 @@ EventCounts count_events(const Simulation& simulation) {
       case Event::Kind::jammed:
         ++counts.jammed;
         break;
+      case Event::Kind::met:
+        ++counts.met;
+        break;
+      case Event::Kind::parted:
+        ++counts.parted;
+        break;
     }
   }
   return counts;

@@ -54,6 +54,7 @@ void check_only_added(const Network& before, const Network& now) {
   check_list(before.loads(), now.loads(), "loads", any);
   check_list(before.planes(), now.planes(), "planes", any);
   check_list(before.instruments(), now.instruments(), "instruments", any);
+  check_list(before.contacts(), now.contacts(), "contacts of bodies", any);
   check_list(before.moves(), now.moves(), "motions", any);
   check_list(before.rigids(), now.rigids(), "rigid connections", any);
   check_list(before.cuts(), now.cuts(), "cuts", any);

@@ -78,6 +78,13 @@ void add(Digest& digest, const Instrument& instrument) {
   digest.add(restitution);
   add(digest, box);
 }
+void add(Digest& digest, const BodyContact& contact) {
+  const auto& [name, first, second, friction, restitution] = contact;
+  digest.add(first);
+  digest.add(second);
+  add(digest, friction);
+  digest.add(restitution);
+}
 void add(Digest& digest, const Load& load) {
   const auto& [nodes, force, from, until, faces, traction, pressure, follow, course, areas] = load;
   digest.add(nodes);
@@ -267,6 +274,12 @@ void add_laws(Parts& parts, const Network& network, const PluginHost& plugins) {
 void add_surfaces(Parts& parts, const Network& network) {
   parts.list("planes", network.planes());
   parts.list("instruments", network.instruments());
+  parts.list("contacts of bodies", network.contacts());
+  if (!network.contacts().empty())
+    parts.list("thickness and radius of bodies", network.bodies(), [](Digest& digest, const Body& body) {
+      digest.add(body.thickness);
+      digest.add(body.radius);
+    });
   Digest motions;
   for (const Plane& plane : network.planes()) {
     add(motions, plane.motion);

@@ -22,10 +22,10 @@ void Journal::take_over(const Journal& before, const layers::NumbersBefore& numb
 
 void Journal::archive(Archive& archive) {
   const std::lock_guard guard(lock_);
-  constexpr std::size_t least_event = 137;  // bytes
+  constexpr std::size_t least_event = 155;  // bytes
   events_.resize(archive.count(events_.size(), least_event, "events"));
   for (Event& each : events_) {
-    archive.below(each.kind, 7, "a kind of events");
+    archive.below(each.kind, 9, "a kind of events");
     archive.number(each.time);
     archive.number(each.index);
     archive.flag(each.element);
@@ -33,6 +33,9 @@ void Journal::archive(Archive& archive) {
     for (Vector3* vector : {&each.impulse, &each.position, &each.velocity, &each.normal}) archive.vector(*vector);
     archive.number(each.value);
     archive.number(each.force);
+    archive.numbers(each.pair.data(), each.pair.size());
+    archive.number(each.pair_first);
+    archive.below(each.pair_count, each.pair.size() + 1, "a node of two bodies in contact");
   }
   for (std::vector<std::string>* texts : {&notes_, &topics_}) {
     texts->resize(archive.count(texts->size(), sizeof(std::uint64_t), "notes"));

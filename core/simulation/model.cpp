@@ -157,6 +157,7 @@ void Model::archive(Archive& archive) {
   loads.archive(archive);
   layout.signals().archive(archive);
   contact.archive(archive);
+  constraints.bodies().archive(archive);
   journal.archive(archive);
   for (const Event& each : journal.events()) {
     const bool of_spring = each.kind == Event::Kind::cut || each.kind == Event::Kind::ruptured;
@@ -166,6 +167,8 @@ void Model::archive(Archive& archive) {
     if (each.index >= count || each.surface < -1 ||
         each.surface >= static_cast<std::int32_t>(contact.obstacles().size()))
       Archive::refuse("an event is of nothing that there is");
+    for (std::size_t i = 0; i < each.pair_count; ++i)
+      if (each.pair[i] >= node_count()) Archive::refuse("an event is of nothing that there is");
   }
   recent_touches.archive(archive);
   archive.same(node_count(), "nodes");

@@ -24,6 +24,7 @@ const springnet_network& NetworkInfo::now() {
   info_.unit_count = static_cast<std::uint32_t>(layout.units().size());
   info_.event_count = static_cast<std::uint32_t>(events_.count());
   info_.surface_count = static_cast<std::uint32_t>(contact.obstacles().size());
+  info_.body_contact_count = static_cast<std::uint32_t>(model_.constraints.bodies().count());
   info_.length_scale = model_.scales.length;
   info_.velocity_scale = model_.scales.velocity;
   info_.force_scale = model_.scales.force;

@@ -137,6 +137,7 @@ class Builder {
                 body.first_element + body.element_count, body.first_face + body.face_count);
       for (const NodeGroup& group : body.groups) result_.add_group(group.name, group.nodes);
       result_.end_body();
+      result_.set_extent(result_.bodies().size() - 1, body.thickness, body.radius);
     }
     add_until(network_.nodes().size(), network_.springs().size(), network_.elements().size(), network_.faces().size());
     add_rigids();

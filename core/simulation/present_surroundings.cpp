@@ -129,6 +129,7 @@ void add_surroundings(const Network& network, Engine& engine, const NewNumbers& 
   add_loads(network, engine, result);
   add_moves(engine, result);
   add_obstacles(network, engine, result);
+  for (const BodyContact& contact : network.contacts()) result.add_contact(contact);
   for (std::size_t k = 0; k < network.cuts().size(); ++k) {
     if (engine.topology().is_done(k)) continue;
     Cut cut = network.cuts()[k];

@@ -45,6 +45,12 @@ void Simulation::Impl::require_abilities() const {
   };
   if ((abilities & SPRINGNET_WITHOUT_CONTACT) != 0 && !engine.model().contact.obstacles().empty())
     refuse("contact with planes and instruments");
+  if ((abilities & SPRINGNET_KEEPS_BODIES_APART) == 0 && engine.model().constraints.bodies().any())
+    throw Error(
+        ErrorKind::input,
+        fmt::format("integrator '{}' does not handle contact of bodies with each other, which this network has; "
+                    "use verlet, or leave out [[contact]]",
+                    options.integrator.id));
   if ((abilities & SPRINGNET_WITHOUT_RIGID) != 0 && engine.model().rigid.any()) refuse("rigid connections");
 }
 

@@ -9,6 +9,7 @@
 
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
+#include "simulation/verlet_pairs.hpp"
 
 namespace springnet {
 namespace {
@@ -166,20 +167,32 @@ void VerletContact::decide(const Body& body) const {
   }
 }
 
-springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::shared_ptr<VerletContact>& last) {
+springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::unique_ptr<VerletStep>& last) {
   constexpr std::uint32_t drift = 2, kick = 3;
   if (step.contacts != drift && step.contacts != kick)
     throw Error(ErrorKind::plugin, fmt::format("contacts is {}, where plugin.h has 0 to 3", step.contacts));
-  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
+  const bool obstacles = !model.contact.obstacles().empty(), bodies = model.constraints.bodies().any();
+  if (!obstacles && !bodies) return SPRINGNET_OK;
   if (step.contacts == kick) {
-    if (!last || !last->is_of(model.time, step.time))
+    const auto belongs = [&](const auto& part) { return part && part->is_of(model.time, step.time); };
+    if (!last || (obstacles && !belongs(last->obstacles)) || (bodies && !belongs(last->bodies)))
       throw Error(ErrorKind::plugin, "a kick must follow the drift of the same step, once");
-    return last->kick(step);
+    springnet_status status = obstacles ? last->obstacles->kick(step) : SPRINGNET_OK;
+    if (status == SPRINGNET_OK && bodies) status = last->bodies->kick(step);
+    return status;
   }
   if (!(step.time > model.time) || !(step.time_constant > 0.0) || !std::isfinite(step.time_constant))
     throw Error(ErrorKind::plugin, "a drift must end after the committed time and have a positive time_constant");
-  last = std::make_shared<VerletContact>(model, step.time, step.time_constant, last.get());
-  return last->drift(step);
+  if (!last) last = std::make_unique<VerletStep>();
+  const std::shared_ptr<VerletContact> before = last->obstacles;
+  const auto constrain_obstacles = [&]() -> springnet_status {
+    if (!obstacles) return SPRINGNET_OK;
+    last->obstacles = std::make_shared<VerletContact>(model, step.time, step.time_constant, before.get());
+    return last->obstacles->drift(step);
+  };
+  if (!bodies) return constrain_obstacles();
+  last->bodies = std::make_shared<VerletPairs>(model, step.time, step.time_constant);
+  return last->bodies->drift(step, constrain_obstacles);
 }
 
 }  // namespace springnet

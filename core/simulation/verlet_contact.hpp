@@ -120,8 +120,14 @@ class VerletContact {
   double last_h_ = 0.0;  // s, length of that step
 };
 
+class VerletPairs;
+// Contact in the last step of velocity Verlet.
+struct VerletStep {
+  std::shared_ptr<VerletContact> obstacles;  // null: none
+  std::shared_ptr<VerletPairs> bodies;       // likewise
+};
 // A drift or a kick, as springnet_host::constrain has them. `last`: the last step, null: none.
-springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::shared_ptr<VerletContact>& last);
+springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std::unique_ptr<VerletStep>& last);
 
 // ---- of a node in contact ----
 [[nodiscard]] inline bool is_rough(const ContactSide& side) { return coefficient_of(side.friction) > 0.0; }

@@ -14,20 +14,30 @@ struct EventText {
   std::string_view event, subject;
 };
 // By Event::Kind.
-constexpr std::array<EventText, 7> texts{{{"cut", "spring"},
+constexpr std::array<EventText, 9> texts{{{"cut", "spring"},
                                           {"ruptured", "spring"},
                                           {"touched", "node"},
                                           {"released", "node"},
                                           {"slipped", "node"},
                                           {"stuck", "node"},
-                                          {"jammed", "node"}}};
+                                          {"jammed", "node"},
+                                          {"met", "node"},
+                                          {"parted", "node"}}};
+
+// "12 13 | 7 8 9": the nodes of the first, then those of the second.
+std::string pair_of(const Event& event) {
+  std::string text;
+  for (std::size_t i = 0; i < event.pair_count; ++i)
+    text += (i == 0 ? "" : i == event.pair_first ? " | " : " ") + std::to_string(event.pair[i]);
+  return text;
+}
 
 void write(const Event& event, const Simulation& simulation, TableFile& file) {
   const EventText& text = texts.at(static_cast<std::size_t>(event.kind));
   file.row(event.time);
   file << text.event << (event.element ? "element" : text.subject) << event.index
        << (event.surface >= 0 ? label_of(simulation, static_cast<std::size_t>(event.surface)) : "") << event.impulse
-       << event.position << event.velocity << event.normal << event.value << event.force;
+       << event.position << event.velocity << event.normal << event.value << event.force << pair_of(event);
 }
 
 }  // namespace
@@ -41,12 +51,12 @@ Table events() {
             "",
             "springs and elements that were `cut` or `ruptured`; nodes that `touched` a surface or were "
             "`released` from it, that `slipped` against friction or `stuck` again, that `jammed` (with friction, no "
-            "finite force keeps the node out of the surface: an impulse stops it)",
+            "finite force keeps the node out of the surface: an impulse stops it); bodies that `met` or `parted`",
             Columns::Cell::text},
            {{"element"}, "", "what it happened to: `spring`, `element`, `node`", Columns::Cell::text},
            {{"index"}, "", "its number", Columns::Cell::count},
            {{"surface"}, "", "the surface at which it happened to a node, as in `surfaces.csv`", Columns::Cell::text},
-           {{"jx", "jy", "jz"}, "N s", "impulse that the surface gave the node at the event"},
+           {{"jx", "jy", "jz"}, "N s", "impulse that the surface, or the other body, gave the node at the event"},
            {{"x", "y", "z"},
             "m",
             "where the node was at the event, or the middle of the nodes of the spring or element"},
@@ -58,7 +68,11 @@ Table events() {
             "node"},
            {{"force"},
             "",
-            "likewise the tension, N, or the generalised force of the element: N m, N/m, Pa; `nan` for a node"}},
+            "likewise the tension, N, or the generalised force of the element: N m, N/m, Pa; `nan` for a node"},
+           {{"pair"},
+            "",
+            "of bodies that met or parted, the nodes of both: `3 | 8 9 12` is node 3 and a face, `3 4 | 8 9` two edges",
+            Columns::Cell::text}},
       .wanted = [](const Network&, const OutputOptions&) { return true; },
       .leave_out_hint = "",
       .writer = [](const Network&, const OutputOptions&) -> RowWriter {

@@ -94,6 +94,13 @@ std::string describe(const EventCounts& events) {
   add(events.slipped, "node", "slipped");
   add(events.stuck, "node", "stuck again");
   add(events.jammed, "node", "jammed");
+  const auto add_pairs = [&](std::size_t count, const char* happened) {
+    if (count > 0)
+      text +=
+          fmt::format("{}{} contact{} of bodies {}", text.empty() ? "" : ", ", count, count == 1 ? "" : "s", happened);
+  };
+  add_pairs(events.met, "made");
+  add_pairs(events.parted, "ended");
   return text.empty() ? "none" : text;
 }
 

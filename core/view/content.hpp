@@ -21,7 +21,7 @@
 namespace springnet::view {
 
 // Numbers of a frame besides those of nodes, springs and surfaces; the chosen elements' values follow.
-enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fixed_scalars = events + 7 };
+enum Scalar : std::size_t { time, kinetic, potential, steps, sweeps, events, fixed_scalars = events + 9 };
 
 struct Removal {
   SpringIndex spring;

@@ -54,7 +54,7 @@ class PageWriter {
   std::optional<OutputFile> file_;  // none: of a further motion
   double size_;                     // bytes, of the program and of this motion
   Content content_;
-  std::array<std::uint64_t, 7> counts_{};  // of each kind of event
+  std::array<std::uint64_t, 9> counts_{};  // of each kind of event
   std::size_t events_read_ = 0;            // events of the simulation that were read so far
   std::vector<std::string> left_out_;
   std::vector<PageWriter*> others_;

@@ -17,6 +17,8 @@ struct EventCounts {
   std::size_t slipped = 0;           // nodes; each time counts
   std::size_t stuck = 0;             // nodes; each time counts
   std::size_t jammed = 0;            // nodes; each time counts
+  std::size_t met = 0;               // pairs of nodes, edges, faces of bodies; each time counts
+  std::size_t parted = 0;            // likewise
 };
 
 [[nodiscard]] SPRINGNET_API EventCounts count_events(const Simulation& simulation);

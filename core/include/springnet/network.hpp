@@ -100,6 +100,10 @@ struct Body {
   std::size_t first_face = 0;
   std::size_t face_count = 0;
   std::vector<NodeGroup> groups{};
+  // What it is in contact with other bodies: its faces are this thick, m; nodes without such faces are balls of this
+  // radius, m.
+  double thickness = 0.0;
+  double radius = 0.0;
 };
 
 // A connection of constant length, to a relative accuracy of 1e-8. At the start the distance of its ends must equal the
@@ -202,6 +206,15 @@ struct Plane {
   std::optional<Turn> turn{};
   // Newton's coefficient of restitution, 0 to 1: the share of the normal velocity after an impact.
   double restitution = 0.0;
+};
+
+// Contact of nodes of `first` with those of `second`, which may have some in common; `second` empty: of `first` with
+// itself. A face belongs to a side that has its corners. Edges and corners of faces touch with them; springs do not.
+struct BodyContact {
+  std::string name;
+  std::vector<NodeIndex> first, second;  // ascending
+  Friction friction{};
+  double restitution = 0.0;  // as for planes
 };
 
 // The shape of a box instrument. Contact rounds its edges by at least a millionth of the smallest size: only from the
@@ -326,6 +339,12 @@ class Network {
   // sinusoid, or both, times that do not increase, tables of different lengths, a negative frequency; and for an
   // invalid turn.
   SPRINGNET_API void add_instrument(const Instrument& instrument);
+  // What a body is in contact with others, m: see Body. Throws Error(input) for a body that does not exist, and for
+  // numbers that are negative or not finite.
+  SPRINGNET_API void set_extent(std::size_t body, double thickness, double radius);
+  // Throws Error(input) for no nodes on the first side, a node that does not exist or is not of a body, friction and
+  // restitution as above, and a name that another contact has.
+  SPRINGNET_API void add_contact(const BodyContact& contact);
   // A node can have only one motion; it counts as fixed, and its own velocity is ignored.
   SPRINGNET_API void add_move(const Move& move);
   // Length: the distance of the nodes unless given. Throws Error(input) for a node that does not exist or is joined to
@@ -352,6 +371,7 @@ class Network {
   [[nodiscard]] const std::vector<Load>& loads() const noexcept { return loads_; }
   [[nodiscard]] const std::vector<Plane>& planes() const noexcept { return planes_; }
   [[nodiscard]] const std::vector<Instrument>& instruments() const noexcept { return instruments_; }
+  [[nodiscard]] const std::vector<BodyContact>& contacts() const noexcept { return contacts_; }
   [[nodiscard]] const std::vector<Move>& moves() const noexcept { return moves_; }
   [[nodiscard]] const std::vector<Rigid>& rigids() const noexcept { return rigids_; }
   [[nodiscard]] const std::vector<Cut>& cuts() const noexcept { return cuts_; }
@@ -400,6 +420,7 @@ class Network {
   std::vector<Load> loads_;
   std::vector<Plane> planes_;
   std::vector<Instrument> instruments_;
+  std::vector<BodyContact> contacts_;
   std::vector<Move> moves_;
   std::vector<Rigid> rigids_;
   std::vector<Cut> cuts_;

@@ -70,6 +70,7 @@ struct Scene {
   Network network;
   std::vector<ElementSet> elements;
   std::vector<std::string> surfaces;  // places of planes, then instruments: "file:line:column: plane.0"
+  std::vector<std::string> contacts;  // likewise, of contacts of bodies
   std::vector<std::string> notes;     // from reading: what a mesh file has that is not used, properties of a material
   SimulationOptions options;
   OutputOptions output;

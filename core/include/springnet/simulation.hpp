@@ -61,7 +61,8 @@ struct StepReport {
 // An event of a spring, an element or a node.
 struct Event {
   // jammed: no finite force can keep a node in contact from penetrating (Painlevé); an impulse stops it.
-  enum class Kind { cut, ruptured, touched, released, slipped, stuck, jammed };
+  // met, parted: of bodies, see `pair`.
+  enum class Kind { cut, ruptured, touched, released, slipped, stuck, jammed, met, parted };
   Kind kind;
   double time;  // s
   // Spring or element (cut, ruptured) or node (touched, released, jammed; slipped, stuck: Coulomb friction).
@@ -79,6 +80,21 @@ struct Event {
   // Of a spring its length, m, and tension, N; of an element its invariant and generalised force. nan for a node.
   double value = std::numeric_limits<double>::quiet_NaN();
   double force = std::numeric_limits<double>::quiet_NaN();
+  // Of bodies that met or parted: what of them. The first has pair_first nodes (1: a node, 2: an edge), the second
+  // those up to pair_count (one: a node, two: an edge, three: a face). `index` is the first one's first; impulse,
+  // position and velocity are those of the first, normal is the direction from the second.
+  std::array<std::uint32_t, 4> pair{};
+  std::uint8_t pair_first = 0, pair_count = 0;
+};
+
+// Two bodies in contact at the end of the last step: a node and a node or a face, or two edges.
+struct BodyTouch {
+  std::array<NodeIndex, 4> nodes{};  // user's numbers; those of the first, then those of the second
+  std::uint8_t first = 0, count = 0;
+  std::array<double, 4> weights{};     // of the nodes, where they touch: of the first 1 in all, of the second -1
+  Vector3 position = Vector3::Zero();  // m, between both
+  Vector3 normal = Vector3::Zero();    // unit, from the second to the first
+  Vector3 force = Vector3::Zero();     // N, on the first: mean over the last step
 };
 
 // What a grasped node or a surface feels near where it is: the force at the end of a step, and how it would differ had
@@ -294,6 +310,9 @@ class SPRINGNET_API Simulation {
   [[nodiscard]] std::vector<std::size_t> surfaces_of(NodeIndex node) const;
   [[nodiscard]] bool held(NodeIndex node) const;      // by a surface
   [[nodiscard]] bool touching(NodeIndex node) const;  // held by a surface, or sliding on one
+
+  // Where bodies touch each other, or themselves.
+  [[nodiscard]] std::vector<BodyTouch> body_touches() const;
 
   // Tension of a spring, N (0 for a removed one); whether it is still there.
   [[nodiscard]] double tension(SpringIndex spring) const;

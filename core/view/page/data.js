@@ -101,10 +101,10 @@
   run.potential = column(2);
   run.steps = column(3);
   run.sweeps = column(4);
-  run.events = ["cut", "ruptured", "touched", "released", "slipped", "stuck", "jammed"].map(function (name, k) {
+  run.events = ["cut", "ruptured", "touched", "released", "slipped", "stuck", "jammed", "met", "parted"].map(function (name, k) {
     return { name: name, counts: column(5 + k) };
   });
-  run.curves = about.curves.map(function (curve, k) { return Object.assign({ values: column(12 + k) }, curve); });
+  run.curves = about.curves.map(function (curve, k) { return Object.assign({ values: column(14 + k) }, curve); });
 
   // Whether the integrator chooses its own steps, within which records may lie: CVODE, and others if records show it.
   run.internal_steps = about.integrator === "cvode" ||

@@ -52,6 +52,7 @@ class Verlet : public Integrator {
   static constexpr const char* reference =
       "Swope, Andersen, Berens, Wilson, Journal of Chemical Physics 76 (1982) 637-649";
   static constexpr bool integrates_states = true;
+  static constexpr bool keeps_bodies_apart = true;
   static constexpr Parameter parameters[] = {
       integer("substeps", "equal steps within a time step").preset(1).at_least(1).at_most(1e9)};
 
@@ -160,7 +161,7 @@ class Verlet : public Integrator {
   enum Part : std::uint32_t { drift = 2, kick = 3 };
   void constrain(Part part, const springnet_state& start, springnet_state& next, double until, double h,
                  const springnet_vectors& velocity) {
-    if (host_.network().surface_count == 0) return;
+    if (host_.network().surface_count == 0 && host_.network().body_contact_count == 0) return;
     springnet_sweep sweep{};
     sweep.struct_size = sizeof sweep;
     sweep.time = until;

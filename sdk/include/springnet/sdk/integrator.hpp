@@ -23,7 +23,8 @@
 //
 //     static constexpr bool integrates_states = true;
 //
-// and is refused where there is any if it does not. More that it may declare in this way, for `plugin show`:
+// and is refused where there is any if it does not; one that keeps bodies apart (springnet_host::constrain does, in
+// velocity Verlet's way), keeps_bodies_apart likewise. More that it may declare in this way, for `plugin show`:
 // locates_events, chooses_steps; without_contact and without_rigid, where the host then refuses such networks. And more
 // members, each optional:
 //
@@ -149,6 +150,8 @@ struct IntegratorGlue {
       if (Component::locates_events) bits |= SPRINGNET_LOCATES_EVENTS;
     if constexpr (requires { Component::chooses_steps; })
       if (Component::chooses_steps) bits |= SPRINGNET_CHOOSES_STEPS;
+    if constexpr (requires { Component::keeps_bodies_apart; })
+      if (Component::keeps_bodies_apart) bits |= SPRINGNET_KEEPS_BODIES_APART;
     if constexpr (requires { Component::without_contact; })
       if (Component::without_contact) bits |= SPRINGNET_WITHOUT_CONTACT;
     if constexpr (requires { Component::without_rigid; })

@@ -57,6 +57,8 @@ enum {
 #define SPRINGNET_HAS_DENSE_OUTPUT (UINT64_C(1) << 12) /* `interpolate` */
 #define SPRINGNET_WITHOUT_CONTACT (UINT64_C(1) << 13)  /* networks with planes or instruments are refused */
 #define SPRINGNET_WITHOUT_RIGID (UINT64_C(1) << 14)    /* networks with rigid connections are refused */
+/* Contact of bodies with each other: networks that have it are refused by others. */
+#define SPRINGNET_KEEPS_BODIES_APART (UINT64_C(1) << 15)
 /* What its author promises, and a checker can verify. */
 #define SPRINGNET_MONOTONE (UINT64_C(1) << 16)             /* the force never falls as q or its rate grows */
 #define SPRINGNET_NOT_ZERO_AT_REST (UINT64_C(1) << 17)     /* it exerts a force at the reference value, at rest */

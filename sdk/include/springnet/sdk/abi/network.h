@@ -60,10 +60,10 @@ typedef struct springnet_network {
   uint64_t spring_count; /* live springs */
   uint64_t internal_count;
   uint64_t revision;
-  uint32_t unit_count;    /* units of nodes for threads to work on; independent of the number of threads */
-  uint32_t event_count;   /* changes only together with `revision` */
-  uint32_t surface_count; /* planes and instruments */
-  uint32_t reserved;
+  uint32_t unit_count;         /* units of nodes for threads to work on; independent of the number of threads */
+  uint32_t event_count;        /* changes only together with `revision` */
+  uint32_t surface_count;      /* planes and instruments */
+  uint32_t body_contact_count; /* 2.1: contacts of bodies with each other or themselves that the scene has */
   /* Typical magnitudes of the network at its start, for tolerances; all above 0. */
   double length_scale;   /* m: mean rest length */
   double velocity_scale; /* m/s: greatest speed, of nodes and of what the scene moves, or the one that the greatest

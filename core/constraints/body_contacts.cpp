@@ -1,0 +1,231 @@
+#include "constraints/body_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+namespace springnet {
+namespace {
+
+using proximity::Group;
+
+// Skin of the list of neighbours, in units of the mean length of the edges, or of the least diameter of balls.
+constexpr double skin_share = 0.3;
+
+// Pairs may begin so much nearer than their thickness, in units of it: the rounding of scenes and meshes.
+constexpr double touching_share = 1e-6;
+
+// Which sides of which contacts a node is on: bit 2 c for the first side of contact c, 2 c + 1 for the second.
+using Sides = std::vector<std::uint64_t>;
+
+bool has(const Sides& sides, std::size_t bit) { return (sides[bit / 64] >> (bit % 64) & 1) != 0; }
+
+// Primitives and groups from the contacts of a network. Nodes that are on the same sides form a group; those of balls
+// and of surfaces are apart, because corners of triangles need no balls of their own against balls of other surfaces.
+class Collection {
+ public:
+  Collection(const Network& network, const std::vector<std::uint32_t>& engine_number)
+      : network_(network), engine_(engine_number), sides_(network.nodes().size()) {
+    const std::size_t bits = 2 * network.contacts().size();
+    for (Sides& sides : sides_) sides.assign((bits + 63) / 64, 0);
+    for (std::size_t c = 0; c < network.contacts().size(); ++c) {
+      const BodyContact& contact = network.contacts()[c];
+      mark(contact.first, 2 * c);
+      mark(contact.second.empty() ? contact.first : contact.second, 2 * c + 1);
+    }
+  }
+
+  void collect() {
+    std::vector<std::uint8_t> covered(sides_.size(), 0);
+    for (const Body& body : network_.bodies()) add_surface(body, covered);
+    for (const Body& body : network_.bodies()) add_balls(body, covered);
+    check_groups();
+    for (const SpringList::Ends& ends : network_.springs().ends())
+      lists.joined.push_back({engine_[ends[0]], engine_[ends[1]]});
+  }
+
+  proximity::PrimitiveLists lists;
+  [[nodiscard]] std::size_t groups() const noexcept { return group_of_.size(); }
+  // [group, group]
+  std::vector<std::uint32_t> law_of_groups;
+
+ private:
+  void mark(const std::vector<NodeIndex>& nodes, std::size_t bit) {
+    for (const NodeIndex node : nodes) sides_[node][bit / 64] |= std::uint64_t{1} << (bit % 64);
+  }
+
+  [[nodiscard]] static bool is_any(const Sides& sides) {
+    return std::any_of(sides.begin(), sides.end(), [](std::uint64_t bits) { return bits != 0; });
+  }
+
+  Group group(const Sides& sides, bool is_ball) {
+    const auto [place, is_new] = group_of_.try_emplace({sides, is_ball}, static_cast<Group>(group_of_.size()));
+    if (is_new) members_.push_back({sides, is_ball});
+    return place->second;
+  }
+
+  void add_surface(const Body& body, std::vector<std::uint8_t>& covered) {
+    if (!(body.thickness > 0.0)) return;
+    for (std::size_t f = body.first_face; f < body.first_face + body.face_count; ++f) {
+      const Face& face = network_.faces()[f];
+      Sides sides = sides_[face[0]];
+      for (std::size_t w = 0; w < sides.size(); ++w) sides[w] &= sides_[face[1]][w] & sides_[face[2]][w];
+      if (!is_any(sides)) continue;
+      for (const NodeIndex node : face) covered[node] = 1;
+      lists.triangles.push_back(
+          {{engine_[face[0]], engine_[face[1]], engine_[face[2]]}, 0.5 * body.thickness, group(sides, false)});
+    }
+  }
+
+  // Nodes inside a surface are none, unless they have a radius.
+  void add_balls(const Body& body, const std::vector<std::uint8_t>& covered) {
+    const auto first = covered.begin() + body.first_node;
+    const bool has_surface = std::find(first, first + body.node_count, 1) != first + body.node_count;
+    if (has_surface && !(body.radius > 0.0)) return;
+    for (NodeIndex k = body.first_node; k < body.first_node + body.node_count; ++k)
+      if (covered[k] == 0 && is_any(sides_[k]))
+        lists.balls.push_back({engine_[k], body.radius, group(sides_[k], true)});
+  }
+
+  // After all triangles are known: edges and corners of them, and which groups are checked.
+  void check_groups() {
+    std::vector<double> least(groups(), std::numeric_limits<double>::infinity());  // radius, m
+    const auto note = [&](Group g, double radius) { least[g] = std::min(least[g], radius); };
+    for (const proximity::Triangle& each : lists.triangles) note(each.group, each.radius);
+    for (const proximity::Ball& each : lists.balls) note(each.group, each.radius);
+    lists.edges = proximity::edges_of(lists.triangles);
+    const std::vector<proximity::Ball> corners = proximity::corners_of(lists.triangles);
+    lists.balls.insert(lists.balls.end(), corners.begin(), corners.end());
+    const std::size_t n = groups();
+    law_of_groups.assign(n * n, 0);
+    for (Group a = 0; a < n; ++a) {
+      for (Group b = a; b < n; ++b) {
+        bool any = false;
+        for (std::uint32_t c = 0; c < network_.contacts().size(); ++c) {
+          const auto on = [&](Group g, std::size_t side) { return has(members_[g].first, 2 * std::size_t{c} + side); };
+          if (!(on(a, 0) && on(b, 1)) && !(on(b, 0) && on(a, 1))) continue;
+          any = true;
+          law_of_groups[a * n + b] = law_of_groups[b * n + a] = c;
+        }
+        if (!any) continue;
+        if (!(least[a] + least[b] > 0.0))
+          throw Error(ErrorKind::input,
+                      "bodies in contact with each other have neither 'surface_thickness', of their faces, nor "
+                      "'radius', of nodes without faces: give one of them to a body of each pair");
+        const bool balls = members_[a].second && members_[b].second,
+                   surfaces = !members_[a].second && !members_[b].second;
+        lists.checked.push_back({a, b, balls, !balls, surfaces});
+      }
+    }
+  }
+
+  const Network& network_;
+  const std::vector<std::uint32_t>& engine_;
+  std::vector<Sides> sides_;  // [user's node]
+  std::map<std::pair<Sides, bool>, Group> group_of_;
+  std::vector<std::pair<Sides, bool>> members_;  // [group]
+};
+
+double skin_of(const proximity::PrimitiveLists& lists, const Network& network,
+               const std::vector<std::uint32_t>& user_number) {
+  const std::vector<Vector3>& p = network.nodes().positions();
+  double sum = 0.0, least = std::numeric_limits<double>::infinity();
+  for (const proximity::Edge& edge : lists.edges)
+    sum += (p[user_number[edge.nodes[0]]] - p[user_number[edge.nodes[1]]]).norm();
+  const double mean = lists.edges.empty() ? 0.0 : sum / static_cast<double>(lists.edges.size());
+  if (mean > 0.0) return skin_share * mean;
+  for (const proximity::Ball& ball : lists.balls)
+    if (ball.radius > 0.0) least = std::min(least, 2.0 * ball.radius);
+  return std::isfinite(least) ? skin_share * least : 1.0;
+}
+
+}  // namespace
+
+BodyContacts::BodyContacts(const Network& network, const std::vector<std::uint32_t>& user_number,
+                           const std::vector<std::uint32_t>& engine_number)
+    : user_number_(user_number), contacts_(network.contacts()) {
+  if (contacts_.empty()) return;
+  Collection collection(network, engine_number);
+  collection.collect();
+  groups_ = collection.groups();
+  law_of_groups_ = std::move(collection.law_of_groups);
+  const double skin = skin_of(collection.lists, network, user_number);
+  list_ = std::make_unique<proximity::NeighbourList>(proximity::Primitives(std::move(collection.lists)), skin);
+}
+
+const BodyContact& BodyContacts::law_of(proximity::PairKind kind, proximity::Pair pair) const {
+  const proximity::Primitives& all = primitives();
+  const auto group_of = [&](std::uint32_t i, bool second) {
+    if (kind == proximity::PairKind::edge_edge) return all.edges()[i].group;
+    return kind == proximity::PairKind::node_triangle && second ? all.triangles()[i].group : all.balls()[i].group;
+  };
+  return contacts_[law_of_groups_[group_of(pair.first, false) * groups_ + group_of(pair.second, true)]];
+}
+
+std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pair) const {
+  const std::array<NodeIndex, 4> nodes = primitives().nodes_of(kind, pair);
+  const auto number = [&](std::size_t i) { return user_number_[nodes[i]]; };
+  switch (kind) {
+    case proximity::PairKind::node_node:
+      return fmt::format("nodes {} and {}", number(0), number(1));
+    case proximity::PairKind::node_triangle:
+      return fmt::format("node {} and the face of nodes {}, {}, {}", number(0), number(1), number(2), number(3));
+    case proximity::PairKind::edge_edge:
+      break;
+  }
+  return fmt::format("the edges of nodes {}, {} and of nodes {}, {}", number(0), number(1), number(2), number(3));
+}
+
+void BodyContacts::archive(Archive& archive) {
+  const std::size_t count = archive.count(touching_.size(), 41, "contacts of bodies");
+  touching_.resize(count);
+  for (PairTouch& each : touching_) {
+    archive.below(each.kind, 3, "a kind of contact");
+    const auto all = [&](bool second) -> std::uint64_t {
+      if (each.kind == proximity::PairKind::edge_edge) return primitives().edges().size();
+      return each.kind == proximity::PairKind::node_triangle && second ? primitives().triangles().size()
+                                                                       : primitives().balls().size();
+    };
+    archive.below(each.pair.first, any() ? all(false) : 0, "a part of a body in contact");
+    archive.below(each.pair.second, any() ? all(true) : 0, "a part of a body in contact");
+    archive.vector(each.force);
+  }
+  if (archive.reads() && any()) list_->forget();
+}
+
+std::vector<StartingOverlap> starting_overlaps(const Network& network, std::size_t most) {
+  std::vector<StartingOverlap> found;
+  if (network.contacts().empty()) return found;
+  std::vector<std::uint32_t> numbers(network.nodes().size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  const BodyContacts bodies(network, numbers, numbers);
+  const std::vector<Vector3>& places = network.nodes().positions();
+  std::array<std::vector<double>, 3> x;
+  for (std::size_t c = 0; c < 3; ++c) {
+    x[c].reserve(places.size());
+    for (const Vector3& place : places) x[c].push_back(place[static_cast<Eigen::Index>(c)]);
+  }
+  const proximity::Positions positions{{x[0].data(), x[1].data(), x[2].data()}, places.size()};
+  for (const proximity::NearPair& each : deepest_overlaps(bodies.primitives(), positions, most))
+    if (const double depth = -each.gap; depth > touching_share * bodies.primitives().thickness(each.kind, each.pair))
+      found.push_back({bodies.describe(each.kind, each.pair), depth});
+  return found;
+}
+
+void check_apart(const Network& network) {
+  const std::vector<StartingOverlap> found = starting_overlaps(network, 1);
+  if (found.empty()) return;
+  throw Error(ErrorKind::input,
+              fmt::format("{} are {:.3g} m nearer than their thickness at the start, so that contact cannot keep them "
+                          "apart: move the bodies apart, or make them thinner; springnet inspect lists such pairs",
+                          found[0].pair, found[0].depth));
+}
+
+}  // namespace springnet

@@ -1,0 +1,74 @@
+// Contact of bodies with each other and with themselves: what is checked against what, with which friction, and which
+// pairs touch at the committed state. Detection is the business of the room proximity; what pairs do in a step that of
+// PairContacts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "constraints/vectors.hpp"
+#include "proximity/near_pairs.hpp"
+#include "proximity/neighbour_list.hpp"
+#include "text/archive.hpp"
+
+namespace springnet {
+
+// Two primitives in contact: a node and a node or a triangle, or two edges.
+struct PairTouch {
+  proximity::PairKind kind;
+  proximity::Pair pair;
+  Vector3 force = Vector3::Zero();  // N, on the first: mean over the last step
+  auto key() const noexcept { return std::pair(kind, pair); }
+};
+
+class BodyContacts {
+ public:
+  // Throws Error (input) for a pair without thickness.
+  BodyContacts(const Network& network, const std::vector<std::uint32_t>& user_number,
+               const std::vector<std::uint32_t>& engine_number);
+
+  [[nodiscard]] bool any() const noexcept { return list_ != nullptr; }
+  [[nodiscard]] std::size_t count() const noexcept { return contacts_.size(); }
+  [[nodiscard]] const BodyContact& contact(std::size_t number) const { return contacts_[number]; }
+  [[nodiscard]] proximity::NeighbourList& list() noexcept { return *list_; }
+  [[nodiscard]] const proximity::Primitives& primitives() const noexcept { return list_->primitives(); }
+  // The contact of the scene that a pair is of; one with the greater number where it is of two.
+  [[nodiscard]] const BodyContact& law_of(proximity::PairKind kind, proximity::Pair pair) const;
+
+  // Pairs that touch at the committed state, by kind, then in order.
+  [[nodiscard]] const std::vector<PairTouch>& touching() const noexcept { return touching_; }
+  // "node 3 and the face of nodes 8, 9, 12".
+  [[nodiscard]] std::string describe(proximity::PairKind kind, proximity::Pair pair) const;
+  void set_touching(std::vector<PairTouch> touching) { touching_ = std::move(touching); }
+  void archive(Archive& archive);
+
+ private:
+  const std::vector<std::uint32_t>& user_number_;
+  std::vector<BodyContact> contacts_;
+  std::size_t groups_ = 0;
+  std::vector<std::uint32_t> law_of_groups_;        // [group, group] place in contacts_
+  std::unique_ptr<proximity::NeighbourList> list_;  // null: no contacts
+  std::vector<PairTouch> touching_;
+};
+
+// Throws Error (input) if bodies of this network begin in each other, further than rounding: names the deepest pair.
+void check_apart(const Network& network);
+// Such pairs, the deepest first.
+struct StartingOverlap {
+  std::string pair;  // "node 3 and the face of nodes 8, 9, 12"
+  double depth;      // m
+};
+[[nodiscard]] std::vector<StartingOverlap> starting_overlaps(const Network& network, std::size_t most);
+
+// The positions of a state as the room proximity reads them.
+[[nodiscard]] inline proximity::Positions positions_of(const springnet_const_vectors& p, std::size_t nodes) {
+  return {{p.x, p.y, p.z}, nodes};
+}
+
+}  // namespace springnet

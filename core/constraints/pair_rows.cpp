@@ -1,0 +1,97 @@
+#include "constraints/pair_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace springnet {
+
+Vector3 relative(const PairRow& row, const springnet_vectors& values) {
+  Vector3 sum = Vector3::Zero();
+  for (int i = 0; i < row.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    sum += row.weights[k] * vector_at(values, row.nodes[k]);
+  }
+  return sum;
+}
+
+bool set_mobility(PairRow& row, const std::vector<double>& mobility) {
+  row.mobility = 0.0;
+  for (int i = 0; i < row.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    row.mobility += row.weights[k] * row.weights[k] * mobility[row.nodes[k]];
+  }
+  return row.mobility > 0.0;
+}
+
+void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes) {
+  for (int i = 0; i < row.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const std::uint32_t node = row.nodes[k];
+    const double share = row.weights[k] * (*nodes.mobility)[node];
+    if (share == 0.0) continue;
+    const Vector3 change = share * impulse;
+    put_vector(nodes.velocity, node, vector_at(nodes.velocity, node) + change);
+    if (row.lever > 0.0) put_vector(nodes.position, node, vector_at(nodes.position, node) + row.lever * change);
+  }
+}
+
+namespace {
+
+// One Gauss-Seidel iteration over all rows. Returns the greatest change of a gap or of a slip, m.
+double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length) {
+  double greatest = 0.0;
+  for (PairRow& row : rows) {
+    const Vector3 rate = relative(row, nodes.velocity);
+    const double missing = row.by_rate ? -(row.value + row.normal.dot(rate))
+                                       : -(row.value + row.normal.dot(relative(row, nodes.position))) / row.lever;
+    const double before = row.normal.dot(row.impulse), along = std::max(0.0, before + missing / row.mobility);
+    Vector3 impulse = along * row.normal;
+    if (row.friction > 0.0 && along > 0.0) {
+      // What would end the slip, within the cone.
+      const Vector3 slip = rate - row.normal * row.normal.dot(rate);
+      Vector3 across = row.impulse - row.normal * before - slip / row.mobility;
+      across -= row.normal * row.normal.dot(across);
+      const double most = row.friction * along, size = across.norm();
+      impulse += size > most ? Vector3(across * (most / size)) : across;
+    }
+    const Vector3 change = impulse - row.impulse;
+    if (change.isZero(0.0)) continue;
+    row.impulse = impulse;
+    apply(row, change, nodes);
+    const double moves = row.by_rate ? length : row.lever;
+    greatest = std::max(greatest, change.norm() * row.mobility * moves);
+  }
+  return greatest;
+}
+
+}  // namespace
+
+PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, double accuracy,
+                   int max_iterations) {
+  PairSolution found;
+  std::vector<Vector3> before(rows.size()), along(rows.size(), Vector3::Zero());
+  double last = 0.0;  // square of the step before
+  for (; found.iterations < max_iterations; ++found.iterations) {
+    for (std::size_t r = 0; r < rows.size(); ++r) before[r] = rows[r].impulse;
+    found.residual = relax(rows, nodes, length);
+    if (found.residual <= accuracy) break;
+    // Steps add up along conjugate directions while they become shorter.
+    double square = 0.0;
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      square += rows[r].mobility * (rows[r].impulse - before[r]).squaredNorm();
+    const double share = last > 0.0 ? square / last : 0.0;
+    last = square;
+    const bool restarts = share > 1.0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const Vector3 step = rows[r].impulse - before[r];
+      const Vector3 more = restarts ? Vector3(Vector3::Zero()) : Vector3(share * along[r]);
+      along[r] = more + step;
+      if (more.isZero(0.0)) continue;
+      rows[r].impulse += more;
+      apply(rows[r], more, nodes);
+    }
+  }
+  return found;
+}
+
+}  // namespace springnet

@@ -1,0 +1,58 @@
+// The impulses of pairs in contact, all at once: no overlap, no pull, Coulomb's cone, by projected Gauss-Seidel
+// iteration (J. J. Moreau 1988; M. Jean, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235), whose steps are combined
+// as conjugate gradients do (M. Silcowitz-Hansen, S. Niebe, K. Erleben, The Visual Computer 26 (2010) 893): of a block
+// on a block it alone needs tens of thousands, because faces against faces are redundant. Each row is a pair with
+// four nodes at most; its impulse J on the first primitive is shared among its nodes by their weights, w_i J, so that
+// momentum is kept whatever J is.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <springnet/network.hpp>
+
+#include "constraints/body_contacts.hpp"
+
+namespace springnet {
+
+struct PairRow {
+  proximity::PairKind kind;
+  proximity::Pair pair;
+  std::array<std::uint32_t, 4> nodes;
+  std::array<double, 4> weights;  // of the first primitive's nodes 1 in all, of the second's -1
+  int count = 0;                  // of the nodes
+  Vector3 normal;                 // unit, from the second to the first
+  double friction = 0.0;          // coefficient; infinite: held
+  double lever = 0.0;             // s: an impulse moves a node by this times its change of velocity
+  // Its impulse is the least for which `value` + normal . (sum of weights times velocities) >= 0 where `by_rate`, else
+  // `value` + normal . (sum of weights times positions) >= 0; m/s, m.
+  bool by_rate = false;
+  double value = 0.0;
+  Vector3 impulse = Vector3::Zero();  // N s
+  double mobility = 0.0;              // 1/kg, of the pair: sum of squares of weights times mobilities
+};
+
+// Velocities and positions of all nodes, which impulses change.
+struct MovedNodes {
+  springnet_vectors position, velocity;
+  const std::vector<double>* mobility;  // [node] 1/kg; 0: it cannot move
+};
+
+[[nodiscard]] Vector3 relative(const PairRow& row, const springnet_vectors& values);
+// Sets row.mobility. False if none of its nodes can move.
+[[nodiscard]] bool set_mobility(PairRow& row, const std::vector<double>& mobility);
+// Changes velocities and positions by an impulse (N s) of a row.
+void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes);
+
+struct PairSolution {
+  double residual = 0.0;  // m: the greatest change of a gap or of a slip over the step in the last iteration
+  int iterations = 0;
+};
+// Changes the impulses of all rows, from those that they have and that the nodes have moved with, until the residual is
+// at most `accuracy`, m. length: of the step, s.
+PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, double accuracy,
+                   int max_iterations);
+
+}  // namespace springnet

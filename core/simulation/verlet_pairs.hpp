@@ -1,0 +1,69 @@
+// Contact of bodies in a step of velocity Verlet, as VerletContact has it for obstacles:
+//
+//   drift   u = v + W (h/2 F + sum w J),   P = p + h v + … ,   gaps(P) >= 0
+//   kick    V = u + W (h/2 F' + sum w K),  rates of gaps >= 0 for pairs that touch at P
+//
+// The impulses of pairs that touch at p act there; those of pairs that meet within the step act when they meet, so that
+// momentum and angular momentum are kept by each, and the rest of the step goes with the velocities after it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "constraints/pair_rows.hpp"
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+class VerletPairs {
+ public:
+  // From the committed state, in a step of this length (s).
+  VerletPairs(Model& model, double until, double length);
+
+  // step.next_position, next_velocity: P and u with all else that constrains them, which `constrain_others` finds anew
+  // from what it is given.
+  springnet_status drift(const springnet_sweep& step, const std::function<springnet_status()>& constrain_others);
+  // step.next_velocity: V, likewise. Commits the pairs that touch.
+  springnet_status kick(const springnet_sweep& step);
+  // Whether this is the step between these times (s), and its kick is still to come.
+  [[nodiscard]] bool is_of(double from, double until) const noexcept {
+    return !kicked_ && from == from_ && until == until_;
+  }
+
+ private:
+  struct Contact {
+    Vector3 side;                    // direction of the pair while it has not gone through
+    double thickness;                // m
+    double came;                     // m/s: approach where they met; 0: they touched before
+    double restitution;              // 1
+    Vector3 kick = Vector3::Zero();  // N s
+  };
+
+  // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
+  // any.
+  bool find(const springnet_sweep& step);
+  void add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at,
+           double share, bool is_new);
+  [[nodiscard]] double gap(std::size_t row, const springnet_vectors& position) const;
+  // Impulses until no pair overlaps at the end of the step.
+  springnet_status separate(const springnet_sweep& step);
+  springnet_status fail() const;
+  void record(Event::Kind kind, const PairRow& row, const springnet_sweep& step, const Vector3& impulse);
+
+  Model& model_;
+  double from_, until_, h_;  // s
+  bool kicked_ = false;
+  double tolerance_;              // m
+  double accuracy_;               // m, of iterations
+  std::vector<double> mobility_;  // [node] 1/kg
+  std::vector<PairRow> rows_;
+  std::vector<Contact> contacts_;  // [row]
+  std::set<std::pair<proximity::PairKind, proximity::Pair>> known_;
+  std::vector<proximity::NearPair> near_;
+  std::vector<proximity::MeetingPair> met_;
+};
+
+}  // namespace springnet
