@@ -55,6 +55,7 @@ class Collection {
   [[nodiscard]] std::size_t groups() const noexcept { return group_of_.size(); }
   // [group, group]
   std::vector<std::uint32_t> law_of_groups;
+  double least_thickness = std::numeric_limits<double>::infinity();  // m
 
  private:
   void mark(const std::vector<NodeIndex>& nodes, std::size_t bit) {
@@ -119,6 +120,7 @@ class Collection {
           throw Error(ErrorKind::input,
                       "bodies in contact with each other have neither 'surface_thickness', of their faces, nor "
                       "'radius', of nodes without faces: give one of them to a body of each pair");
+        least_thickness = std::min(least_thickness, least[a] + least[b]);
         const bool balls = members_[a].second && members_[b].second,
                    surfaces = !members_[a].second && !members_[b].second;
         lists.checked.push_back({a, b, balls, !balls, surfaces});
@@ -156,6 +158,7 @@ BodyContacts::BodyContacts(const Network& network, const std::vector<std::uint32
   collection.collect();
   groups_ = collection.groups();
   law_of_groups_ = std::move(collection.law_of_groups);
+  least_thickness_ = collection.least_thickness;
   const double skin = skin_of(collection.lists, network, user_number);
   list_ = std::make_unique<proximity::NeighbourList>(proximity::Primitives(std::move(collection.lists)), skin);
 }
@@ -184,7 +187,7 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 41, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 72, "contacts of bodies");
   touching_.resize(count);
   for (PairTouch& each : touching_) {
     archive.below(each.kind, 3, "a kind of contact");
@@ -196,6 +199,7 @@ void BodyContacts::archive(Archive& archive) {
     archive.below(each.pair.first, any() ? all(false) : 0, "a part of a body in contact");
     archive.below(each.pair.second, any() ? all(true) : 0, "a part of a body in contact");
     archive.vector(each.force);
+    archive.vector(each.guess);
   }
   if (archive.reads() && any()) list_->forget();
 }

@@ -24,6 +24,7 @@ struct PairTouch {
   proximity::PairKind kind;
   proximity::Pair pair;
   Vector3 force = Vector3::Zero();  // N, on the first: mean over the last step
+  Vector3 guess = Vector3::Zero();  // N: of that over the next step
   auto key() const noexcept { return std::pair(kind, pair); }
 };
 
@@ -43,6 +44,8 @@ class BodyContacts {
 
   // Pairs that touch at the committed state, by kind, then in order.
   [[nodiscard]] const std::vector<PairTouch>& touching() const noexcept { return touching_; }
+  // Of a pair that is checked, m.
+  [[nodiscard]] double least_thickness() const noexcept { return least_thickness_; }
   // "node 3 and the face of nodes 8, 9, 12".
   [[nodiscard]] std::string describe(proximity::PairKind kind, proximity::Pair pair) const;
   void set_touching(std::vector<PairTouch> touching) { touching_ = std::move(touching); }
@@ -53,6 +56,7 @@ class BodyContacts {
   std::vector<BodyContact> contacts_;
   std::size_t groups_ = 0;
   std::vector<std::uint32_t> law_of_groups_;        // [group, group] place in contacts_
+  double least_thickness_ = 0.0;                    // m
   std::unique_ptr<proximity::NeighbourList> list_;  // null: no contacts
   std::vector<PairTouch> touching_;
 };

@@ -41,10 +41,11 @@ namespace {
 double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length) {
   double greatest = 0.0;
   for (PairRow& row : rows) {
+    if (row.is_done) continue;
     const Vector3 rate = relative(row, nodes.velocity);
     const double missing = row.by_rate ? -(row.value + row.normal.dot(rate))
                                        : -(row.value + row.normal.dot(relative(row, nodes.position))) / row.lever;
-    const double before = row.normal.dot(row.impulse), along = std::max(0.0, before + missing / row.mobility);
+    const double before = row.normal.dot(row.impulse), along = std::max(row.least, before + missing / row.mobility);
     Vector3 impulse = along * row.normal;
     if (row.friction > 0.0 && along > 0.0) {
       // What would end the slip, within the cone.

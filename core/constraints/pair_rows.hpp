@@ -18,17 +18,19 @@
 namespace springnet {
 
 struct PairRow {
-  proximity::PairKind kind;
-  proximity::Pair pair;
-  std::array<std::uint32_t, 4> nodes;
-  std::array<double, 4> weights;  // of the first primitive's nodes 1 in all, of the second's -1
-  int count = 0;                  // of the nodes
-  Vector3 normal;                 // unit, from the second to the first
-  double friction = 0.0;          // coefficient; infinite: held
-  double lever = 0.0;             // s: an impulse moves a node by this times its change of velocity
+  proximity::PairKind kind{};
+  proximity::Pair pair{};
+  std::array<std::uint32_t, 4> nodes{};
+  std::array<double, 4> weights{};    // of the first primitive's nodes 1 in all, of the second's -1
+  int count = 0;                      // of the nodes
+  Vector3 normal = Vector3::UnitX();  // unit, from the second to the first
+  double friction = 0.0;              // coefficient; infinite: held
+  double lever = 0.0;                 // s: an impulse moves a node by this times its change of velocity
   // Its impulse is the least for which `value` + normal . (sum of weights times velocities) >= 0 where `by_rate`, else
   // `value` + normal . (sum of weights times positions) >= 0; m/s, m.
   bool by_rate = false;
+  bool is_done = false;  // keeps its impulse
+  double least = 0.0;    // N s, along the normal: what it has given before
   double value = 0.0;
   Vector3 impulse = Vector3::Zero();  // N s
   double mobility = 0.0;              // 1/kg, of the pair: sum of squares of weights times mobilities

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,26 +16,37 @@
 namespace springnet {
 namespace {
 
-// Of gaps, in units of the tolerance of places on obstacles. Faces on faces have more pairs than determine their
-// places, from slightly different times at which these met, and so agree no better.
-constexpr double gap_tolerance = 100.0;
-constexpr int max_pair_iterations = 20000;  // of impulses
-constexpr int max_pair_rounds = 100;        // of finding pairs, and of curved gaps
+// Of gaps, in units of the least thickness. Faces on faces have more pairs than determine their places, from slightly
+// different times at which these met, and so agree no better.
+constexpr double gap_tolerance = 1e-4;
+// What iterations aim at, in units of that: most have it soon. After so many the tolerance is enough.
+constexpr double accuracy_share = 1e-5;
+constexpr int max_pair_iterations = 1000;
+constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
+constexpr int max_bounce_rounds = 50;  // rounds of impacts within a step after which they are inelastic
+constexpr double simultaneous = 1e-9;  // share of the step within which impacts are at the same time
 // A pair that meets at the very end of a step: impulses of the kick stop it.
 constexpr double least_lever = 1e-3;  // of the step
 
 // When and how a pair comes to its thickness, from a meeting that may be a little early: Newton's method on the
-// distance along the paths.
-proximity::Meeting refine(proximity::PairKind kind, const std::array<Vector3, 4>& start,
-                          const std::array<Vector3, 4>& end, double thickness, proximity::Meeting found) {
-  constexpr int most = 8;
+// distance along the paths. Empty if it only comes near.
+std::optional<proximity::Meeting> refine(proximity::PairKind kind, const std::array<Vector3, 4>& start,
+                                         const std::array<Vector3, 4>& end, double thickness,
+                                         proximity::Meeting found) {
+  constexpr int most = 40;  // of grazing pairs, each has a quarter of the gap before
+  const Vector3 side = found.at.direction;
   for (int i = 0; i < most; ++i) {
     double rate = 0.0;  // of the distance, over the step
     for (std::size_t k = 0; k < 4; ++k) rate += found.at.weights[k] * found.at.direction.dot(end[k] - start[k]);
     const double gap = found.at.distance - thickness;
-    if (!(rate < 0.0) || !(gap > 0.0) || found.time - gap / rate > 1.0) break;
-    const double time = found.time - gap / rate;
+    if (!(gap > 0.0)) break;
+    const double time = rate < 0.0 ? found.time - gap / rate : 2.0;
     if (!(time > found.time)) break;
+    if (time > 1.0) {
+      // Distances of straight motions are convex, so that it does not get there; pairs that turn may.
+      if (on_side(separation(kind, end), side).distance >= thickness) return std::nullopt;
+      break;
+    }
     std::array<Vector3, 4> now;
     for (std::size_t k = 0; k < 4; ++k) now[k] = start[k] + time * (end[k] - start[k]);
     found.at = on_side(separation(kind, now), found.at.direction);
@@ -49,17 +62,15 @@ VerletPairs::VerletPairs(Model& model, double until, double length)
       from_(model.time),
       until_(until),
       h_(length),
-      tolerance_(gap_tolerance * model.contact_tolerance()),
-      accuracy_(0.1 * tolerance_),
+      tolerance_(std::max(gap_tolerance * model.constraints.bodies().least_thickness(), model.contact_tolerance())),
+      accuracy_(std::max(accuracy_share * tolerance_, 0.1 * model.contact_tolerance())),
       mobility_(model.node_count()) {
   for (std::uint32_t k = 0; k < model.node_count(); ++k)
     mobility_[k] = model.contact.fixed()[k] != 0 ? 0.0 : 1.0 / model.mass[k];
 }
 
-void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair,
-                      const proximity::Separation& at, double share, bool is_new) {
-  BodyContacts& bodies = model_.constraints.bodies();
-  const BodyContact& law = bodies.law_of(kind, pair);
+PairRow VerletPairs::row_of(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at) const {
+  const BodyContacts& bodies = model_.constraints.bodies();
   PairRow row;
   row.kind = kind;
   row.pair = pair;
@@ -67,73 +78,155 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
   row.weights = at.weights;
   row.count = proximity::first_nodes(kind) + proximity::second_nodes(kind);
   row.normal = at.direction;
-  row.lever = std::max(least_lever, 1.0 - share) * h_;
-  row.friction = coefficient_of(law.friction);
+  row.friction = coefficient_of(bodies.law_of(kind, pair).friction);
+  return row;
+}
+
+void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair,
+                      const proximity::Separation& at, double share, bool is_new) {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  PairRow row = row_of(kind, pair, at);
+  row.lever = h_;
   known_.emplace(kind, pair);
   if (!set_mobility(row, mobility_)) return;
-  Contact contact{at.direction, bodies.primitives().thickness(kind, pair), 0.0, law.restitution};
+  Contact contact{at.direction, bodies.primitives().thickness(kind, pair), share, false, false};
+  // Its gap closes at most. So what slides from one face to the next is carried by the plane of the first for the rest
+  // of the step.
+  row.by_rate = true;
+  row.value = is_new ? 0.0 : (at.distance - contact.thickness) / h_;
   if (is_new) {
-    const Vector3 half = relative(row, step.next_velocity);
-    contact.came = std::max(0.0, -row.normal.dot(half));
-    // A rebound slower than the fall within the step ends in contact.
-    Vector3 start = Vector3::Zero();
-    for (int i = 0; i < row.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      start += row.weights[k] * vector_at(step.start_velocity, row.nodes[k]);
-    }
-    const double falls = 2.0 * std::max(0.0, -row.normal.dot(half - start));
-    if (law.restitution * contact.came > falls) {
-      row.by_rate = true;
-      row.value = -law.restitution * contact.came;
-    }
+    const double came = -row.normal.dot(relative(row, step.next_velocity));
+    const double restitution = bodies.law_of(kind, pair).restitution;
+    const double falls = 2.0 * std::max(0.0, -row.normal.dot(relative(row, gained_.vectors())));
+    row.lever = std::max(least_lever, 1.0 - share) * h_;
+    contact.is_impact = true;
+    // A rebound slower than the fall within the step ends in contact, and so do many after each other.
+    contact.bounces = rounds_ < max_bounce_rounds && restitution * came > std::max(falls, tolerance_ / h_);
+    if (contact.bounces) row.value = -restitution * came;
   }
   rows_.push_back(row);
   contacts_.push_back(contact);
 }
 
+void VerletPairs::add_met(const springnet_sweep& step, const proximity::Positions& start,
+                          const proximity::Positions& end) {
+  const proximity::Primitives& all = model_.constraints.bodies().primitives();
+  struct Found {
+    proximity::MeetingPair pair;
+    proximity::Meeting at;
+  };
+  std::vector<Found> found;
+  for (const proximity::MeetingPair& each : met_) {
+    if (known_.contains(std::pair(each.kind, each.pair))) continue;
+    const std::array<Vector3, 4> from = all.corners(each.kind, each.pair, start),
+                                 to = all.corners(each.kind, each.pair, end);
+    if (each.meeting.from_start) {
+      add(step, each.kind, each.pair, separation(each.kind, from), 0.0, false);
+      continue;
+    }
+    const auto meeting = refine(each.kind, from, to, all.thickness(each.kind, each.pair), each.meeting);
+    if (!meeting) continue;
+    found.push_back({each, *meeting});
+    // Before an impact of one of its nodes the path is another one.
+    const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.kind, each.pair);
+    const bool is_past = std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t node) {
+      const auto struck = struck_.find(node);
+      return struck != struck_.end() && found.back().at.time < struck->second - simultaneous;
+    });
+    if (is_past) {
+      found.pop_back();
+      continue;
+    }
+  }
+  // Of each node the first one: its path after that is another one.
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::tuple(a.at.time, a.pair.kind, a.pair.pair) < std::tuple(b.at.time, b.pair.kind, b.pair.pair);
+  });
+  std::map<std::uint32_t, double> taken;
+  for (const Found& each : found) {
+    const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.pair.kind, each.pair.pair);
+    const bool is_later = std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t node) {
+      const auto before = taken.find(node);
+      return before != taken.end() && each.at.time > before->second + simultaneous;
+    });
+    for (const std::uint32_t node : nodes)
+      if (mobility_[node] > 0.0) taken.emplace(node, each.at.time);
+    if (is_later) continue;
+    add(step, each.pair.kind, each.pair.pair, each.at.at, each.at.time, true);
+  }
+}
+
 bool VerletPairs::find(const springnet_sweep& step) {
+  ++rounds_;
   const profile::Stage stage("proximity");
   BodyContacts& bodies = model_.constraints.bodies();
   const std::size_t n = model_.node_count();
-  const proximity::Positions start = positions_of(step.start_position, n),
-                             end = positions_of(read_only(step.next_position), n);
+  const proximity::Positions end = positions_of(read_only(step.next_position), n);
+  proximity::Positions start = positions_of(step.start_position, n);
+  if (!start_[0].empty()) start = {{start_[0].data(), start_[1].data(), start_[2].data()}, n};
   bodies.list().update(start, end);
   const proximity::Primitives& all = bodies.primitives();
   const unsigned threads = model_.evaluator.threads();
   proximity::find_near(all, bodies.list().pairs(), end, 0.0, near_, threads);
   proximity::find_meetings(all, bodies.list().pairs(), start, end, met_, threads);
+  if (near_.empty() && met_.empty() && bodies.touching().empty()) return false;
+  if (gained_.values.empty()) {
+    gained_.values.resize(3 * n);
+    const springnet_vectors gained = gained_.vectors();
+    for (std::uint32_t k = 0; k < n; ++k)
+      put_vector(gained, k, vector_at(step.next_velocity, k) - vector_at(step.start_velocity, k));
+  }
   const std::size_t before = rows_.size();
-  const auto is_known = [&](proximity::PairKind kind, proximity::Pair pair) {
-    return known_.contains(std::pair(kind, pair));
-  };
   const auto from_start = [&](proximity::PairKind kind, proximity::Pair pair) {
     add(step, kind, pair, separation(kind, all.corners(kind, pair, start)), 0.0, false);
   };
-  if (rows_.empty())  // what touched before
+  if (known_.empty())
     for (const PairTouch& touch : bodies.touching()) {
+      const std::size_t row_count = rows_.size();
       from_start(touch.kind, touch.pair);
+      if (rows_.size() == row_count) continue;
       // Begins with the force of the last step, so that what rests stays where it is.
-      if (rows_.empty() || rows_.back().pair != touch.pair || rows_.back().kind != touch.kind) continue;
       PairRow& row = rows_.back();
-      const double along = std::max(0.0, row.normal.dot(touch.force));
-      const Vector3 across = touch.force - row.normal * row.normal.dot(touch.force);
-      row.impulse = 0.5 * h_ * (along * row.normal + across);
+      const double along = row.normal.dot(touch.guess);
+      row.impulse = 0.5 * h_ * (touch.guess + (std::max(0.0, along) - along) * row.normal);
       apply(row, row.impulse, {step.next_position, step.next_velocity, &mobility_});
     }
-  for (const proximity::MeetingPair& each : met_) {
-    if (is_known(each.kind, each.pair)) continue;
-    if (each.meeting.from_start) {
-      from_start(each.kind, each.pair);
-      continue;
-    }
-    const proximity::Meeting meeting =
-        refine(each.kind, all.corners(each.kind, each.pair, start), all.corners(each.kind, each.pair, end),
-               all.thickness(each.kind, each.pair), each.meeting);
-    add(step, each.kind, each.pair, meeting.at, meeting.time, true);
+  add_met(step, start, end);
+  // What begins so near that it counts as touching.
+  for (const proximity::NearPair& each : near_) {
+    if (each.gap >= -tolerance_ || known_.contains(std::pair(each.kind, each.pair))) continue;
+    const std::array<Vector3, 4> from = all.corners(each.kind, each.pair, start);
+    const auto meeting = refine(each.kind, from, all.corners(each.kind, each.pair, end),
+                                all.thickness(each.kind, each.pair), {0.0, separation(each.kind, from)});
+    if (meeting) add(step, each.kind, each.pair, meeting->at, meeting->time, true);
   }
-  for (const proximity::NearPair& each : near_)
-    if (each.gap < -tolerance_ && !is_known(each.kind, each.pair)) from_start(each.kind, each.pair);
   return rows_.size() > before;
+}
+
+// Impacts are over: those that bounce keep their impulses, and nodes go on along other paths.
+void VerletPairs::finish_impacts(const springnet_sweep& step) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    PairRow& row = rows_[r];
+    if (!contacts_[r].is_impact || row.is_done) continue;
+    if (start_[0].empty()) {
+      const std::size_t n = model_.node_count();
+      start_[0].assign(step.start_position.x, step.start_position.x + n);
+      start_[1].assign(step.start_position.y, step.start_position.y + n);
+      start_[2].assign(step.start_position.z, step.start_position.z + n);
+    }
+    for (int i = 0; i < row.count; ++i) {
+      const std::uint32_t k = row.nodes[static_cast<std::size_t>(i)];
+      if (mobility_[k] == 0.0) continue;
+      const Vector3 from = vector_at(step.next_position, k) - h_ * vector_at(step.next_velocity, k);
+      for (std::size_t c = 0; c < 3; ++c) start_[c][k] = from[static_cast<Eigen::Index>(c)];
+      struck_[k] = std::max(struck_[k], contacts_[r].time);
+    }
+    // Later ones do not undo it, which would take it back to where it was when they came.
+    row.least = std::max(0.0, row.normal.dot(row.impulse));
+    if (!contacts_[r].bounces) continue;
+    row.is_done = true;
+    known_.erase(std::pair(row.kind, row.pair));
+  }
 }
 
 double VerletPairs::gap(std::size_t row, const springnet_vectors& position) const {
@@ -147,8 +240,9 @@ double VerletPairs::gap(std::size_t row, const springnet_vectors& position) cons
 springnet_status VerletPairs::fail() const {
   set_message(
       model_.journal.message,
-      fmt::format("the contacts of bodies, {} pairs, do not converge in a step of {:g} s; use a smaller time step",
-                  rows_.size(), h_));
+      fmt::format("the contacts of bodies, {} pairs, do not converge in a step of {:g} s (after {} rounds of finding "
+                  "pairs); use a smaller time step",
+                  rows_.size(), h_, rounds_));
   return SPRINGNET_RECOVERABLE;
 }
 
@@ -158,18 +252,24 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
     bool done = true;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       PairRow& row = rows_[r];
+      if (row.is_done) continue;
+      const double now = gap(r, step.next_position);
+      // Its path is curved.
+      if (row.by_rate && round > 0 && !contacts_[r].bounces && now < -tolerance_) row.by_rate = false;
       if (row.by_rate) {
         done = done && round > 0;
         continue;
       }
-      const double now = gap(r, step.next_position);
       row.value = now - row.normal.dot(relative(row, step.next_position));
-      const bool pushes = row.normal.dot(row.impulse) > 0.0;
+      const bool pushes = row.normal.dot(row.impulse) > (1.0 + 1e-12) * row.least;
       done = done && (pushes ? std::abs(now) <= tolerance_ : now >= -tolerance_);
     }
     // Friction has no say in gaps: it needs an iteration of its own.
-    if (done && round > 0 && !find(step)) return SPRINGNET_OK;
-    if (solve(rows_, nodes, h_, accuracy_, max_pair_iterations).residual > accuracy_) return fail();
+    if (done && round > 0) {
+      finish_impacts(step);
+      if (!find(step)) return SPRINGNET_OK;
+    }
+    if (solve(rows_, nodes, h_, accuracy_, max_pair_iterations).residual > tolerance_) return fail();
   }
   return fail();
 }
@@ -207,7 +307,7 @@ springnet_status VerletPairs::drift(const springnet_sweep& step,
       const Vector3 change = rows_[r].impulse - (r < before.size() ? before[r] : Vector3(Vector3::Zero()));
       changed = std::max(changed, rows_[r].lever * rows_[r].mobility * change.norm());
     }
-    if (round > 0 && changed <= 10.0 * accuracy_) return SPRINGNET_OK;
+    if (round > 0 && changed <= 0.1 * tolerance_) return SPRINGNET_OK;
     put_back(position, step.next_position);
     put_back(velocity, step.next_velocity);
     const MovedNodes nodes{step.next_position, step.next_velocity, &mobility_};
@@ -238,58 +338,68 @@ void VerletPairs::record(Event::Kind kind, const PairRow& row, const springnet_s
 springnet_status VerletPairs::kick(const springnet_sweep& step) {
   kicked_ = true;
   BodyContacts& bodies = model_.constraints.bodies();
-  const proximity::Primitives& all = bodies.primitives();
-  const proximity::Positions end = positions_of(read_only(step.next_position), model_.node_count());
+  if (rows_.empty()) {
+    bodies.set_touching({});
+    return SPRINGNET_OK;
+  }
   // Obstacles have done their part of the kick: nodes that they keep go on as they say.
   std::vector<double> mobility = mobility_;
   for (std::uint32_t k = 0; !model_.contact.obstacles().empty() && k < model_.node_count(); ++k)
     if (model_.contact.committed(k).surface >= 0) mobility[k] = 0.0;
-  std::vector<PairRow> rows;
-  std::vector<std::size_t> place;
+  struct Sum {
+    PairRow row;
+    Vector3 drift = Vector3::Zero(), kick = Vector3::Zero();  // N s
+    bool bounced = false, touched = false, stays = false;
+  };
+  std::map<std::pair<proximity::PairKind, proximity::Pair>, Sum> sums;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const PairRow& of = rows_[r];
-    if (of.by_rate) continue;
-    const proximity::Separation now =
-        on_side(separation(of.kind, all.corners(of.kind, of.pair, end)), contacts_[r].side);
-    if (now.distance - contacts_[r].thickness > 2.0 * tolerance_) continue;
-    PairRow row = of;
-    row.weights = now.weights;
-    row.normal = now.direction;
-    row.lever = 0.0;
-    row.by_rate = true;
-    row.value = 0.0;
-    // As in the drift, if it rests.
-    if (contacts_[r].came > 0.0) row.impulse.setZero();
+    Sum& sum = sums[std::pair(rows_[r].kind, rows_[r].pair)];
+    sum.row = rows_[r];
+    sum.drift += rows_[r].impulse;
+    sum.bounced = contacts_[r].bounces;
+  }
+  for (const PairTouch& touch : bodies.touching())
+    if (const auto found = sums.find(touch.key()); found != sums.end()) found->second.touched = true;
+  // All that touch at P, also what a node has slid to within the step.
+  const proximity::Primitives& all = bodies.primitives();
+  const proximity::Positions end = positions_of(read_only(step.next_position), model_.node_count());
+  proximity::find_near(all, bodies.list().pairs(), end, 2.0 * tolerance_, near_, model_.evaluator.threads());
+  std::vector<PairRow> rows;
+  std::vector<Sum*> of_row;
+  for (const proximity::NearPair& each : near_) {
+    const auto known = sums.find(std::pair(each.kind, each.pair));
+    const bool pushed = known != sums.end() && known->second.row.normal.dot(known->second.drift) > 0.0;
+    // Beside the border of a face its direction is not that of the face, however small the gap.
+    if (!pushed && each.gap > 2.0 * accuracy_) continue;
+    PairRow row = row_of(each.kind, each.pair, each.separation);
     if (!set_mobility(row, mobility)) continue;
+    Sum& sum = sums[std::pair(each.kind, each.pair)];
+    if (sum.bounced) continue;
+    row.by_rate = true;
+    // As in the drift, if it rests.
+    if (sum.touched) row.impulse = sum.drift;
     apply(row, row.impulse, {step.next_position, step.next_velocity, &mobility});
     rows.push_back(row);
-    place.push_back(r);
+    of_row.push_back(&sum);
   }
   const MovedNodes nodes{step.next_position, step.next_velocity, &mobility};
-  if (solve(rows, nodes, h_, accuracy_, max_pair_iterations).residual > accuracy_) return fail();
-  std::vector<std::uint8_t> stays(rows_.size(), 0);
+  if (solve(rows, nodes, h_, accuracy_, max_pair_iterations).residual > tolerance_) return fail();
+  const double no_rate = std::max(0.1 * tolerance_ / h_, model_.no_speed());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    contacts_[place[i]].kick = rows[i].impulse;
-    const double rate = rows[i].normal.dot(relative(rows[i], step.next_velocity));
-    stays[place[i]] = rate <= 10.0 * std::max(accuracy_ / h_, model_.no_speed()) ? 1 : 0;
+    of_row[i]->row = rows[i];
+    of_row[i]->kick = rows[i].impulse;
+    of_row[i]->stays = rows[i].normal.dot(relative(rows[i], step.next_velocity)) <= no_rate;
   }
-  const std::vector<PairTouch> before = bodies.touching();
   std::vector<PairTouch> touching;
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const PairRow& row = rows_[r];
-    const Vector3 impulse = row.impulse + contacts_[r].kick;
-    const bool touched = std::any_of(before.begin(), before.end(), [&](const PairTouch& each) {
-      return each.kind == row.kind && each.pair == row.pair;
-    });
-    const bool acts = row.normal.dot(impulse) > 0.0;
-    if (!touched && acts) record(Event::Kind::met, row, step, impulse);
-    if (stays[r] != 0 && (touched || acts)) {
-      touching.push_back({row.kind, row.pair, impulse / h_});
-    } else if (touched || acts) {
-      record(Event::Kind::parted, row, step, Vector3::Zero());
-    }
+  for (const auto& [key, sum] : sums) {
+    const Vector3 impulse = sum.drift + sum.kick;
+    const bool acts = sum.row.normal.dot(impulse) > 0.0;
+    if (!sum.touched && acts) record(Event::Kind::met, sum.row, step, impulse);
+    if (sum.stays && (sum.touched || acts))
+      touching.push_back({key.first, key.second, impulse / h_, 2.0 / h_ * sum.kick});
+    else if (sum.touched || acts)
+      record(Event::Kind::parted, sum.row, step, Vector3::Zero());
   }
-  std::sort(touching.begin(), touching.end(), [](const PairTouch& a, const PairTouch& b) { return a.key() < b.key(); });
   bodies.set_touching(std::move(touching));
   return SPRINGNET_OK;
 }

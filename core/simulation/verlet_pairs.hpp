@@ -7,8 +7,10 @@
 // momentum and angular momentum are kept by each, and the rest of the step goes with the velocities after it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -37,16 +39,21 @@ class VerletPairs {
   struct Contact {
     Vector3 side;                    // direction of the pair while it has not gone through
     double thickness;                // m
-    double came;                     // m/s: approach where they met; 0: they touched before
-    double restitution;              // 1
+    double time;                     // when they met, as a share of the step
+    bool is_impact;                  // they met within the step
+    bool bounces;                    // and fly apart
     Vector3 kick = Vector3::Zero();  // N s
   };
 
   // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
   // any.
   bool find(const springnet_sweep& step);
+  [[nodiscard]] PairRow row_of(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at) const;
   void add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at,
            double share, bool is_new);
+  // Adds rows of pairs that met_ has: of each node the first.
+  void add_met(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
+  void finish_impacts(const springnet_sweep& step);
   [[nodiscard]] double gap(std::size_t row, const springnet_vectors& position) const;
   // Impulses until no pair overlaps at the end of the step.
   springnet_status separate(const springnet_sweep& step);
@@ -62,6 +69,18 @@ class VerletPairs {
   std::vector<PairRow> rows_;
   std::vector<Contact> contacts_;  // [row]
   std::set<std::pair<proximity::PairKind, proximity::Pair>> known_;
+  // m, [node]: where straight paths to the end begin; of nodes after an impact not where they were. Empty: no impact.
+  std::array<std::vector<double>, 3> start_;
+  // m/s, [node]: of half a step of the forces, without contact of bodies. Empty until it is asked for.
+  struct {
+    std::vector<double> values;
+    [[nodiscard]] springnet_vectors vectors() noexcept {
+      const std::size_t n = values.size() / 3;
+      return {values.data(), values.data() + n, values.data() + 2 * n};
+    }
+  } gained_;
+  std::map<std::uint32_t, double> struck_;  // [node] share of the step of its last impact
+  int rounds_ = 0;                          // of finding pairs
   std::vector<proximity::NearPair> near_;
   std::vector<proximity::MeetingPair> met_;
 };

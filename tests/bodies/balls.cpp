@@ -1,0 +1,129 @@
+// Balls: impacts of two, of many in a row, at rest on each other.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bodies.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+TEST_CASE("two balls in a line exchange what Newton's law of impact says") {
+  const double m = 2.0, n = 0.7, gap = 0.9, speed = 1.3;
+  for (const double e : {0.0, 0.4, 1.0}) {
+    CAPTURE(e);
+    Network net;
+    add_ball(net, "a", {0, 0, 0}, {speed, 0, 0}, m, 0.1);
+    add_ball(net, "b", {gap + 0.35, 0, 0}, at_rest, n, 0.25);
+    touch_all(net, frictionless, e);
+    Simulation s = simulate(net, verlet, 0.01);
+    advance(s, 200);
+    // J = (1 + e) m n / (m + n) v, at gap / v.
+    const double impulse = (1.0 + e) * m * n / (m + n) * speed, met = gap / speed, rest = 2.0 - met;
+    const double first = speed - impulse / m, second = impulse / n;
+    // Free flight is exact; the time of the meeting is found by Newton's method, to rounding.
+    CHECK(s.velocity(0)[0] == doctest::Approx(first).epsilon(1e-12));
+    CHECK(s.velocity(1)[0] == doctest::Approx(second).epsilon(1e-12));
+    CHECK(s.position(0)[0] == doctest::Approx(gap + rest * first).epsilon(1e-11));
+    CHECK(s.position(1)[0] == doctest::Approx(gap + 0.35 + rest * second).epsilon(1e-11));
+    REQUIRE(s.events().size() >= 1);
+    const Event& event = s.events().front();
+    CHECK(event.kind == Event::Kind::met);
+    CHECK(event.pair_first == 1);
+    CHECK(event.pair_count == 2);
+    CHECK(std::abs(event.impulse[0]) == doctest::Approx(impulse).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("two balls that meet at an angle keep momentum, angular momentum and their slip") {
+  const double radius = 0.2, offset = 0.15;
+  Network net;
+  add_ball(net, "a", {-1, offset, 0.05}, {2, 0, 0}, 1.5, radius);
+  add_ball(net, "b", {0.4, 0, 0}, {-1, 0.2, 0}, 0.8, radius);
+  touch_all(net, frictionless, 0.6);
+  Simulation s = simulate(net, verlet, 0.013);
+  const Vector3 p = momentum(net, s), l = angular_momentum(net, s);
+  const Vector3 before = s.velocity(0) - s.velocity(1);
+  advance(s, 100);
+  CHECK((momentum(net, s) - p).norm() <= 1e-14 * 5.0);
+  CHECK((angular_momentum(net, s) - l).norm() <= 1e-13);
+  REQUIRE(!s.events().empty());
+  const Vector3 n = s.events().front().normal, after = s.velocity(0) - s.velocity(1);
+  CHECK(n.dot(after) == doctest::Approx(-0.6 * n.dot(before)).epsilon(1e-12));
+  CHECK((after - n * n.dot(after) - before + n * n.dot(before)).norm() <= 1e-13);
+  // Where the line between both is as long as the radii: |d + w t| = 2 r.
+  const Vector3 d = Vector3(-1, offset, 0.05) - Vector3(0.4, 0, 0);
+  const double a = before.squaredNorm(), b = d.dot(before), c = d.squaredNorm() - 4.0 * radius * radius;
+  const double time = (-b - std::sqrt(b * b - a * c)) / a;
+  CHECK((n - (d + time * before) / (2.0 * radius)).norm() <= 1e-12);
+}
+
+TEST_CASE("friction of balls that meet lies in Coulomb's cone, and ends the slip if it can") {
+  const double m = 1.0, n = 3.0;
+  for (const double mu : {0.1, 5.0}) {
+    CAPTURE(mu);
+    Network net;
+    add_ball(net, "a", {-0.5, 0.0, 0.0}, {2, 0.3, 0}, m, 0.1);
+    add_ball(net, "b", {0.3, 0.1, 0}, {0, 0, 0}, n, 0.1);
+    touch_all(net, {Friction::Kind::coulomb, mu});
+    Simulation s = simulate(net, verlet, 0.01);
+    const Vector3 p = momentum(net, s), l = angular_momentum(net, s), before = s.velocity(0) - s.velocity(1);
+    while (s.events().empty()) s.step();
+    const Event event = s.events().front();
+    const Vector3 along = event.normal * event.normal.dot(event.impulse), across = event.impulse - along;
+    const Vector3 slip = before - event.normal * event.normal.dot(before);
+    const double reduced = m * n / (m + n), needed = reduced * slip.norm();
+    CHECK(along.norm() == doctest::Approx(-reduced * event.normal.dot(before)).epsilon(1e-9));
+    CHECK(across.norm() == doctest::Approx(std::min(mu * along.norm(), needed)).epsilon(1e-7));
+    CHECK(across.dot(slip) < 0.0);
+    CHECK((momentum(net, s) - p).norm() <= 1e-13);
+    // Nodes have no spin, so that what friction does about the middle of the line between them is lost: its moment.
+    const Vector3 arm = 0.2 * event.normal;
+    CHECK((angular_momentum(net, s) - l - arm.cross(event.impulse)).norm() <= 1e-13);
+  }
+}
+
+TEST_CASE("of a row of balls only the last one flies off") {
+  // Gaps between them, so that the impacts come one after the other.
+  Network net;
+  const int count = 6;
+  for (int i = 0; i < count; ++i)
+    add_ball(net, "ball " + std::to_string(i), {0.25 * i + (i > 0 ? 0.5 : 0.0), 0, 0}, {i == 0 ? 1.0 : 0.0, 0, 0}, 0.4,
+             0.1);
+  touch_all(net, frictionless, 1.0);
+  for (const double h : {0.003, 0.11}) {  // one impact in a step, and several
+    CAPTURE(h);
+    Simulation s = simulate(net, verlet, h);
+    while (s.time() < 2.0) s.step();
+    for (NodeIndex k = 0; k + 1 < count; ++k) CHECK(s.velocity(k).norm() <= 1e-12);
+    CHECK((s.velocity(count - 1) - Vector3(1, 0, 0)).norm() <= 1e-12);
+  }
+}
+
+TEST_CASE("balls rest on each other, and what carries them feels their weight") {
+  const double g = 9.81, m = 0.3, radius = 0.1;
+  Network net;
+  add_ball(net, "ground", {0, 0, 0}, at_rest, 1.0, radius, true);
+  const int count = 4;
+  for (int i = 0; i < count; ++i)
+    add_ball(net, "ball " + std::to_string(i), {0, 0, 2.0 * radius * (i + 1)}, at_rest, m, radius);
+  touch_all(net, frictionless);
+  net.set_gravity({0, 0, -g});
+  Simulation s = simulate(net, verlet, 0.01);
+  advance(s, 300);
+  for (NodeIndex k = 1; k <= count; ++k) {
+    CAPTURE(k);
+    CHECK(s.position(k)[2] == doctest::Approx(2.0 * radius * k).epsilon(1e-7));  // the tolerance of gaps, 1e-8
+    CHECK(s.velocity(k).norm() <= 1e-6);
+  }
+  const std::vector<BodyTouch> touches = s.body_touches();
+  REQUIRE(touches.size() == count);
+  for (const BodyTouch& each : touches) {
+    const NodeIndex above = std::max(each.nodes[0], each.nodes[1]);
+    CAPTURE(above);
+    CHECK(each.force.norm() == doctest::Approx((count + 1.0 - above) * m * g).epsilon(1e-5));
+    CHECK(std::abs(each.normal[2]) == doctest::Approx(1.0));
+  }
+}

@@ -1,0 +1,85 @@
+// Friction of bodies on each other: on an incline, and on a body that moves.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "bodies.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+constexpr double g = 9.81;
+
+// A ball on a fixed sheet that is inclined about y by this angle.
+Network on_incline(double angle, const Friction& friction) {
+  Network net;
+  const Vector3 down(std::cos(angle), 0, -std::sin(angle)), up(std::sin(angle), 0, std::cos(angle));
+  add_sheet(net, "incline", 21, 4.0, {0, 0, 0}, down, Vector3::UnitY(), 0.02, 1.0, true);
+  add_ball(net, "ball", -1.5 * down + 0.06 * up + Vector3(0, 0.013, 0), at_rest, 0.3, 0.05);
+  touch(net, 0, 1, friction);
+  net.set_gravity({0, 0, -g});
+  return net;
+}
+
+}  // namespace
+
+TEST_CASE("a ball on an inclined sheet sticks below the angle of friction, and slides above it") {
+  const double mu = 0.5, time = 0.6;
+  for (const double angle : {0.2, std::atan(mu) - 1e-3, std::atan(mu) + 1e-3, 0.7}) {
+    CAPTURE(angle);
+    const Vector3 down(std::cos(angle), 0, -std::sin(angle));
+    Simulation s = simulate(on_incline(angle, {Friction::Kind::coulomb, mu}), verlet, 0.002);
+    const NodeIndex ball = static_cast<NodeIndex>(s.columns().size() - 1);
+    const Vector3 start = s.position(ball);
+    advance(s, 300);
+    const double a = std::max(0.0, g * (std::sin(angle) - mu * std::cos(angle)));
+    // Constant forces: exact but for the tolerance of gaps, 1e-8 of a length, in each of 300 steps.
+    CHECK((s.position(ball) - start - 0.5 * a * time * time * down).norm() <= 1e-5);
+    CHECK((s.velocity(ball) - a * time * down).norm() <= 1e-5);
+    REQUIRE(!s.body_touches().empty());
+    Vector3 force = Vector3::Zero();
+    for (const BodyTouch& each : s.body_touches()) force += (each.nodes[0] == ball ? 1.0 : -1.0) * each.force;
+    CHECK((force - 0.3 * (Vector3(0, 0, g) + a * down)).norm() <= 1e-4);
+  }
+}
+
+TEST_CASE("a held ball stays where it touched; a frictionless one slides as on ice") {
+  const double angle = 0.6, time = 0.4;
+  const Vector3 down(std::cos(angle), 0, -std::sin(angle));
+  for (const Friction& friction : {Friction{}, frictionless}) {
+    Simulation s = simulate(on_incline(angle, friction), verlet, 0.002);
+    const NodeIndex ball = static_cast<NodeIndex>(s.columns().size() - 1);
+    const Vector3 start = s.position(ball);
+    advance(s, 200);
+    const double a = friction.kind == Friction::Kind::held ? 0.0 : g * std::sin(angle);
+    CHECK((s.position(ball) - start - 0.5 * a * time * time * down).norm() <= 1e-5);
+  }
+}
+
+TEST_CASE("a block that is thrown along another one stops where friction stops it") {
+  const double mu = 0.3, speed = 0.4;
+  Network net;
+  add_block(net, "low", 5, 0.1, {0, 0, 0}, at_rest, 0.05, 0.01, 20000.0, 10.0);
+  for (NodeIndex k = 0; k < 125; ++k) net.fix(k);
+  add_block(net, "high", 3, 0.1, {0.03, 0.12, 0.41}, {speed, 0, 0}, 0.05, 0.01, 20000.0, 10.0);
+  touch(net, 0, 1, {Friction::Kind::coulomb, mu});
+  net.set_gravity({0, 0, -g});
+  Simulation s = simulate(net, verlet, 0.0002);
+  const auto mean = [&](const auto& of) {
+    Vector3 sum = Vector3::Zero();
+    for (NodeIndex k = 125; k < 152; ++k) sum += of(k) / 27.0;
+    return sum;
+  };
+  const auto place = [&](NodeIndex k) { return s.position(k); };
+  const auto velocity = [&](NodeIndex k) { return s.velocity(k); };
+  const double start = mean(place)[0], slows = mu * g;
+  advance(s, 400);
+  // It rocks a little, as friction is below its middle, and so presses on the other body by turns.
+  CHECK(mean(velocity)[0] == doctest::Approx(speed - slows * 0.08).epsilon(0.03));
+  advance(s, 3000);
+  CHECK(mean(place)[0] - start == doctest::Approx(0.5 * speed * speed / slows).epsilon(0.03));
+  CHECK(mean(velocity).norm() <= 1e-3);
+}

@@ -1,0 +1,109 @@
+// [[contact]] of a scene: what it reads, writes, refuses and shows.
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include <springnet/inspection.hpp>
+#include <springnet/scene.hpp>
+#include <springnet/scene_writer.hpp>
+
+#include "bodies.hpp"
+#include "refusal.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+namespace {
+
+const std::string bodies = R"(
+[simulation]
+duration = 1
+time_step = 0.01
+integrator = "verlet"
+[[body]]
+name = "ball"
+nodes = [[0, 0, 0.5]]
+neuron = { type = "point_mass", mass = 1 }
+radius = 0.1
+[[body]]
+name = "sheet"
+nodes = [[-1, -1, 0], [1, -1, 0], [0, 1, 0]]
+faces = [[0, 1, 2]]
+neuron = { type = "point_mass", mass = 1 }
+surface_thickness = 0.02
+)";
+
+Scene read(const std::string& more) { return parse_scene(bodies + more, "scene.toml", *plugins()); }
+
+}  // namespace
+
+TEST_CASE("a scene says what is in contact, and is written and read again the same") {
+  const Scene scene = read(R"(
+[[contact]]
+name = "ball on sheet"
+between = [{ body = "ball" }, { body = "sheet" }]
+friction = 0.3
+restitution = 0.5
+[[contact]]
+between = [{ body = "sheet" }]
+friction = "none"
+)");
+  const auto check = [](const Network& net) {
+    CHECK(net.bodies()[0].radius == 0.1);
+    CHECK(net.bodies()[1].thickness == 0.02);
+    REQUIRE(net.contacts().size() == 2);
+    const BodyContact& first = net.contacts()[0];
+    CHECK(first.name == "ball on sheet");
+    CHECK(first.first == std::vector<NodeIndex>{0});
+    CHECK(first.second == std::vector<NodeIndex>{1, 2, 3});
+    CHECK(first.friction.kind == Friction::Kind::coulomb);
+    CHECK(first.friction.coefficient == 0.3);
+    CHECK(first.restitution == 0.5);
+    CHECK(net.contacts()[1].second.empty());
+    CHECK(net.contacts()[1].friction.kind == Friction::Kind::none);
+  };
+  check(scene.network);
+  check(parse_scene(to_scene(scene, *plugins()), "written.toml", *plugins()).network);
+  check(Simulation(scene.network, plugins(), scene.options).present_network());
+}
+
+TEST_CASE("contacts that make no sense are refused with what to do") {
+  const auto refused = [](const std::string& more, const std::string& why) {
+    CAPTURE(more);
+    CHECK_THROWS_WITH_AS(static_cast<void>(read(more)), doctest::Contains(why.c_str()), Error);
+  };
+  refused("[[contact]]\nfriction = 0.2\n", "between");
+  refused("[[contact]]\nbetween = []\n", "must have one or two selections");
+  refused("[[contact]]\nbetween = [{ body = \"ball\" }, { body = \"bal\" }]\n", "ball");
+  refused("[[contact]]\nbetween = [{ body = \"ball\" }]\nrestitution = 2\n", "must be at most 1");
+  refused("[[contact]]\nbetween = [{ body = \"ball\" }]\nfriction = -1\n", "friction");
+  refused(
+      "[[contact]]\nname = \"a\"\nbetween = [{ body = \"ball\" }]\n[[contact]]\nname = \"a\"\nbetween = [{ body = "
+      "\"sheet\" }]\n",
+      "there are two contacts 'a'");
+}
+
+TEST_CASE("bodies without any thickness, and other integrators, are refused") {
+  Network net;
+  add_ball(net, "a", {0, 0, 0}, at_rest, 1.0, 0.0);
+  add_ball(net, "b", {1, 0, 0}, at_rest, 1.0, 0.0);
+  touch_all(net, frictionless);
+  CHECK_THROWS_WITH_AS(simulate(net, verlet, 0.01), doctest::Contains("surface_thickness"), Error);
+  net.set_extent(0, 0.0, 0.1);
+  net.set_extent(1, 0.0, 0.1);
+  CHECK_NOTHROW(simulate(net, verlet, 0.01));
+  CHECK_THROWS_WITH_AS(simulate(net, cvode(1e-6), 0.01), doctest::Contains("contact of bodies"), Error);
+}
+
+TEST_CASE("bodies that begin in each other are refused, and inspect names the pairs with their depth") {
+  const std::string contact = "[[contact]]\nbetween = [{ body = \"ball\" }, { body = \"sheet\" }]\n";
+  Scene scene = read(contact);
+  CHECK_NOTHROW(check_starts(scene));
+  Node node = scene.network.nodes()[0];
+  node.position = {0, 0, 0.08};  // 0.03 m in
+  scene.network.set_node(0, node);
+  CHECK_THROWS_WITH_AS(check_starts(scene),
+                       doctest::Contains("contact.0: node 0 and the face of nodes 1, 2, 3 are 0.03 m"), Error);
+  CHECK_THROWS_AS(simulate(scene.network, verlet, 0.01), Error);
+}
