@@ -40,6 +40,13 @@ class Collection {
       mark(contact.first, 2 * c);
       mark(contact.second.empty() ? contact.first : contact.second, 2 * c + 1);
     }
+    for (const Rigid& rod : network.rigids())
+      for (const NodeIndex node : {rod.first, rod.second})
+        if (is_any(sides_[node]))
+          throw Error(ErrorKind::input,
+                      fmt::format("node {} has rigid connections and is in contact with other bodies, which is not "
+                                  "possible yet: leave such nodes out of [[contact]], or make their springs stiff",
+                                  node));
   }
 
   void collect() {

@@ -38,6 +38,7 @@ constexpr std::array keys{
     Key{"output.reactions", "true or false"},
     Key{"output.surfaces", "true or false"},
     Key{"output.rigid", "true or false"},
+    Key{"output.contacts", "true or false"},
     Key{"output.elements", "true, false or a list of names of [[element]]"},
     Key{"output.energies", "true or false"},
     Key{"output.states", "true or false"},

@@ -85,6 +85,7 @@ void read_output(const Table& root, const PluginHost& plugins, Scene& scene) {
   read_flag("reactions", output.reactions);
   read_flag("surfaces", output.surfaces);
   read_flag("rigid", output.rigid);
+  read_flag("contacts", output.contacts);
   read_flag("energies", output.energies);
   read_flag("states", output.states);
   read_flag("vtk", output.vtk);

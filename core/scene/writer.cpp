@@ -41,6 +41,7 @@ void write_output(const Scene& scene, const WrittenElements& elements, Document&
   out.add("reactions", flag(output.reactions));
   out.add("surfaces", flag(output.surfaces));
   out.add("rigid", flag(output.rigid));
+  out.add("contacts", flag(output.contacts));
   out.add("energies", flag(output.energies));
   out.add("states", flag(output.states));
   if (output.elements && !output.element_numbers.empty())

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -289,6 +290,15 @@ springnet_status VerletPairs::drift(const springnet_sweep& step,
     std::copy_n(from[1].data(), n, to.y);
     std::copy_n(from[2].data(), n, to.z);
   };
+  // Moved nodes go straight to where they will be.
+  const Prescribed& prescribed = model_.contact.prescribed();
+  const std::shared_ptr<const Placement> at = model_.placement(until_);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (!prescribed.moves(k)) continue;
+    const Vector3 place = prescribed.position(at->motions, k);
+    put_vector(step.next_position, k, place);
+    put_vector(step.next_velocity, k, (place - vector_at(step.start_position, k)) / h_);
+  }
   const bool others = !model_.contact.obstacles().empty();
   std::array<std::vector<double>, 3> position, velocity;
   if (others) {

@@ -24,20 +24,13 @@ constexpr std::array<EventText, 9> texts{{{"cut", "spring"},
                                           {"met", "node"},
                                           {"parted", "node"}}};
 
-// "12 13 | 7 8 9": the nodes of the first, then those of the second.
-std::string pair_of(const Event& event) {
-  std::string text;
-  for (std::size_t i = 0; i < event.pair_count; ++i)
-    text += (i == 0 ? "" : i == event.pair_first ? " | " : " ") + std::to_string(event.pair[i]);
-  return text;
-}
-
 void write(const Event& event, const Simulation& simulation, TableFile& file) {
   const EventText& text = texts.at(static_cast<std::size_t>(event.kind));
   file.row(event.time);
   file << text.event << (event.element ? "element" : text.subject) << event.index
        << (event.surface >= 0 ? label_of(simulation, static_cast<std::size_t>(event.surface)) : "") << event.impulse
-       << event.position << event.velocity << event.normal << event.value << event.force << pair_of(event);
+       << event.position << event.velocity << event.normal << event.value << event.force
+       << pair_of(event.pair, event.pair_first, event.pair_count);
 }
 
 }  // namespace

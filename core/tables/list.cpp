@@ -3,11 +3,11 @@
 namespace springnet::tables {
 
 // Each in the file of its name.
-Table events(), trajectory(), reactions(), surfaces(), rigid(), springs(), elements(), states(), energies();
+Table events(), trajectory(), reactions(), surfaces(), contacts(), rigid(), springs(), elements(), states(), energies();
 
 const std::vector<Table>& all() {
-  static const std::vector<Table> tables{events(),  trajectory(), reactions(), surfaces(), rigid(),
-                                         springs(), elements(),   states(),    energies()};
+  static const std::vector<Table> tables{events(), trajectory(), reactions(), surfaces(), contacts(),
+                                         rigid(),  springs(),    elements(),  states(),   energies()};
   return tables;
 }
 

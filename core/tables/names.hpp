@@ -1,6 +1,9 @@
 // Surfaces by the names that tables give them.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,5 +23,8 @@ namespace springnet::tables {
 [[nodiscard]] inline std::size_t surface_count(const Network& network) {
   return network.planes().size() + network.instruments().size();
 }
+
+// "12 13 | 7 8 9": the nodes of the first of two parts of bodies, then those of the second.
+[[nodiscard]] std::string pair_of(const std::array<std::uint32_t, 4>& nodes, std::size_t first, std::size_t count);
 
 }  // namespace springnet::tables

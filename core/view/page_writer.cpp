@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -183,11 +184,14 @@ void PageWriter::take_nodes(const Simulation& simulation) {
   std::fill(contact.begin(), contact.end(), std::uint8_t{0});
   const ConstNodeMap velocities = simulation.velocities();
   const bool surfaces = simulation.surface_count() > 0;
+  std::set<NodeIndex> of_bodies;
+  for (const BodyTouch& touch : simulation.body_touches())
+    of_bodies.insert(touch.nodes.begin(), touch.nodes.begin() + touch.count);
   for (std::size_t k = 0; k < content_.selection.nodes.size(); ++k) {
     const NodeIndex node = content_.selection.nodes[k];
     const auto column = static_cast<Eigen::Index>(simulation.columns()[node]);
     speeds[k] = to_float(velocities.col(column).norm());
-    if (surfaces && simulation.touching(node)) {
+    if ((surfaces && simulation.touching(node)) || of_bodies.contains(node)) {
       contact[k / 8] = static_cast<std::uint8_t>(contact[k / 8] | 1U << k % 8);
     }
   }

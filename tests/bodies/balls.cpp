@@ -127,3 +127,24 @@ TEST_CASE("balls rest on each other, and what carries them feels their weight") 
     CHECK(std::abs(each.normal[2]) == doctest::Approx(1.0));
   }
 }
+
+TEST_CASE("a moved ball pushes another one along, with the force that this takes") {
+  const double m = 0.4, a = 3.0;
+  Network net;
+  const NodeIndex pusher = add_ball(net, "pusher", {0, 0, 0}, at_rest, 1.0, 0.1);
+  add_ball(net, "ball", {0.2, 0, 0}, at_rest, m, 0.1);
+  touch_all(net, frictionless);
+  Motion motion;  // a t^2 / 2 for a while, by a table that is dense enough for its cubics
+  for (int i = 0; i <= 100; ++i) {
+    motion.times.push_back(0.01 * i);
+    motion.displacements.emplace_back(0.5 * a * motion.times.back() * motion.times.back(), 0, 0);
+  }
+  net.add_move({{pusher}, motion});
+  Simulation s = simulate(net, verlet, 0.004);
+  advance(s, 200);
+  CHECK(s.position(1)[0] - s.position(0)[0] == doctest::Approx(0.2).epsilon(1e-4));
+  CHECK(s.velocity(1)[0] == doctest::Approx(a * s.time()).epsilon(1e-2));
+  REQUIRE(s.body_touches().size() == 1);
+  // Over a step; the cubics of the table have the acceleration to some per cent.
+  CHECK(s.body_touches()[0].force.norm() == doctest::Approx(m * a).epsilon(0.1));
+}

@@ -34,6 +34,7 @@ struct OutputOptions {
   bool reactions = false;                     // if nodes are held
   bool surfaces = true;                       // if there are planes or instruments
   bool rigid = true;                          // if there are rigid connections
+  bool contacts = true;                       // of bodies with each other, if the scene has any
   bool elements = true;                       // if there are any
   bool energies = false;                      // of the whole, and what laws have dissipated
   bool states = false;                        // internal states of laws, of `springs` (empty: of all) and elements
