@@ -19,8 +19,7 @@ using proximity::Group;
 // Skin of the list of neighbours, in units of the mean length of the edges, or of the least diameter of balls.
 constexpr double skin_share = 0.3;
 
-// Pairs may begin so much nearer than their thickness, in units of it: the rounding of scenes and meshes.
-constexpr double touching_share = 1e-6;
+constexpr std::size_t most_groups = 500;  // each is compared with each
 
 // Which sides of which contacts a node is on: bit 2 c for the first side of contact c, 2 c + 1 for the second.
 using Sides = std::vector<std::uint64_t>;
@@ -54,6 +53,7 @@ class Collection {
     for (const Body& body : network_.bodies()) add_surface(body, covered);
     for (const Body& body : network_.bodies()) add_balls(body, covered);
     check_groups();
+    check_sides();
     for (const SpringList::Ends& ends : network_.springs().ends())
       lists.joined.push_back({engine_[ends[0]], engine_[ends[1]]});
   }
@@ -75,7 +75,12 @@ class Collection {
 
   Group group(const Sides& sides, bool is_ball) {
     const auto [place, is_new] = group_of_.try_emplace({sides, is_ball}, static_cast<Group>(group_of_.size()));
-    if (is_new) members_.push_back({sides, is_ball});
+    if (!is_new) return place->second;
+    members_.push_back({sides, is_ball});
+    if (members_.size() > most_groups)
+      throw Error(ErrorKind::input,
+                  fmt::format("the contacts of bodies divide the nodes into more than {} sets: use fewer [[contact]]",
+                              most_groups));
     return place->second;
   }
 
@@ -94,12 +99,57 @@ class Collection {
 
   // Nodes inside a surface are none, unless they have a radius.
   void add_balls(const Body& body, const std::vector<std::uint8_t>& covered) {
-    const auto first = covered.begin() + body.first_node;
-    const bool has_surface = std::find(first, first + body.node_count, 1) != first + body.node_count;
-    if (has_surface && !(body.radius > 0.0)) return;
+    if (body.thickness > 0.0 && body.face_count > 0 && !(body.radius > 0.0)) return;
     for (NodeIndex k = body.first_node; k < body.first_node + body.node_count; ++k)
       if (covered[k] == 0 && is_any(sides_[k]))
         lists.balls.push_back({engine_[k], body.radius, group(sides_[k], true)});
+  }
+
+  // Each side needs something that can be touched.
+  void check_sides() const {
+    for (std::size_t c = 0; c < network_.contacts().size(); ++c)
+      for (const std::size_t side : {0u, 1u}) {
+        const bool any = std::any_of(members_.begin(), members_.end(),
+                                     [&](const auto& each) { return has(each.first, 2 * c + side); });
+        if (any) continue;
+        const std::string& name = network_.contacts()[c].name;
+        throw Error(
+            ErrorKind::input,
+            fmt::format("{}: the {} side has nothing that can be touched: select all corners of a face of a body "
+                        "with 'surface_thickness', or nodes of a body with a 'radius'",
+                        name.empty() ? fmt::format("contact {} of bodies", c) : fmt::format("contact '{}'", name),
+                        side == 0 ? "first" : "second"));
+      }
+  }
+
+  // Edges and corners are on the sides of all faces that have them, and as thick as the thickest.
+  void share_groups(std::vector<proximity::Ball>& corners) {
+    std::map<NodeIndex, std::pair<Sides, double>> of_corner;
+    std::map<std::array<NodeIndex, 2>, std::pair<Sides, double>> of_edge;
+    const auto add = [](std::pair<Sides, double>& to, const Sides& sides, double radius) {
+      to.first.resize(sides.size(), 0);
+      for (std::size_t w = 0; w < sides.size(); ++w) to.first[w] |= sides[w];
+      to.second = std::max(to.second, radius);
+    };
+    for (const proximity::Triangle& each : lists.triangles) {
+      const Sides& sides = members_[each.group].first;
+      for (std::size_t i = 0; i < 3; ++i) {
+        add(of_corner[each.nodes[i]], sides, each.radius);
+        const auto [low, high] = std::minmax(each.nodes[i], each.nodes[(i + 1) % 3]);
+        add(of_edge[{low, high}], sides, each.radius);
+      }
+    }
+    for (proximity::Ball& each : corners) {
+      const auto& [sides, radius] = of_corner.at(each.node);
+      each.group = group(sides, false);
+      each.radius = radius;
+    }
+    for (proximity::Edge& each : lists.edges) {
+      const auto [low, high] = std::minmax(each.nodes[0], each.nodes[1]);
+      const auto& [sides, radius] = of_edge.at({low, high});
+      each.group = group(sides, false);
+      each.radius = radius;
+    }
   }
 
   // After all triangles are known: edges and corners of them, and which groups are checked.
@@ -109,7 +159,8 @@ class Collection {
     for (const proximity::Triangle& each : lists.triangles) note(each.group, each.radius);
     for (const proximity::Ball& each : lists.balls) note(each.group, each.radius);
     lists.edges = proximity::edges_of(lists.triangles);
-    const std::vector<proximity::Ball> corners = proximity::corners_of(lists.triangles);
+    std::vector<proximity::Ball> corners = proximity::corners_of(lists.triangles);
+    share_groups(corners);
     lists.balls.insert(lists.balls.end(), corners.begin(), corners.end());
     const std::size_t n = groups();
     law_of_groups.assign(n * n, 0);
@@ -207,6 +258,8 @@ void BodyContacts::archive(Archive& archive) {
     archive.below(each.pair.second, any() ? all(true) : 0, "a part of a body in contact");
     archive.vector(each.force);
     archive.vector(each.guess);
+    if (!each.force.allFinite() || !each.guess.allFinite()) Archive::refuse("a force of bodies is not finite");
+    if (!primitives().may_touch(each.kind, each.pair)) Archive::refuse("bodies touch that are not in contact");
   }
   if (archive.reads() && any()) list_->forget();
 }
@@ -225,7 +278,8 @@ std::vector<StartingOverlap> starting_overlaps(const Network& network, std::size
   }
   const proximity::Positions positions{{x[0].data(), x[1].data(), x[2].data()}, places.size()};
   for (const proximity::NearPair& each : deepest_overlaps(bodies.primitives(), positions, most))
-    if (const double depth = -each.gap; depth > touching_share * bodies.primitives().thickness(each.kind, each.pair))
+    // As near as a run leaves them, so that a scene of its end can be run.
+    if (const double depth = -each.gap; depth > 2.0 * gap_tolerance * bodies.least_thickness())
       found.push_back({bodies.describe(each.kind, each.pair), depth});
   return found;
 }

@@ -19,6 +19,10 @@
 
 namespace springnet {
 
+// Of gaps in steps, in units of the least thickness. Faces on faces have more pairs than determine their places, from
+// slightly different times at which these met, and so agree no better.
+inline constexpr double gap_tolerance = 1e-4;
+
 // Two primitives in contact: a node and a node or a triangle, or two edges.
 struct PairTouch {
   proximity::PairKind kind;

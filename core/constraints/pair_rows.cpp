@@ -14,13 +14,31 @@ Vector3 relative(const PairRow& row, const springnet_vectors& values) {
   return sum;
 }
 
-bool set_mobility(PairRow& row, const std::vector<double>& mobility) {
-  row.mobility = 0.0;
+namespace {
+
+// The obstacle that keeps a node from moving along the impulse of a row; null: none.
+const OnObstacle* held_back(const PairRow& row, std::size_t i, const MovedNodes& nodes) {
+  if (nodes.on_obstacles == nullptr) return nullptr;
+  const auto found = nodes.on_obstacles->find(row.nodes[i]);
+  if (found == nodes.on_obstacles->end() || row.weights[i] * row.normal.dot(found->second.normal) > 0.0) return nullptr;
+  return &found->second;
+}
+
+}  // namespace
+
+bool set_mobility(PairRow& row, const MovedNodes& nodes) {
+  row.mobility = row.across = 0.0;
   for (int i = 0; i < row.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    row.mobility += row.weights[k] * row.weights[k] * mobility[row.nodes[k]];
+    const double own = row.weights[k] * row.weights[k] * (*nodes.mobility)[row.nodes[k]];
+    const OnObstacle* const on = held_back(row, k, nodes);
+    if (on != nullptr && on->sticks) continue;
+    const double into = on != nullptr ? row.normal.dot(on->normal) : 0.0;
+    row.mobility += own * (1.0 - into * into);
+    row.across += own;
   }
-  return row.mobility > 0.0;
+  // What is pressed onto obstacles from both sides cannot be moved along its normal.
+  return row.mobility > 1e-12 * row.across;
 }
 
 void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes) {
@@ -29,7 +47,11 @@ void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes) 
     const std::uint32_t node = row.nodes[k];
     const double share = row.weights[k] * (*nodes.mobility)[node];
     if (share == 0.0) continue;
-    const Vector3 change = share * impulse;
+    Vector3 change = share * impulse;
+    if (const OnObstacle* const on = held_back(row, k, nodes); on != nullptr) {
+      if (on->sticks) continue;
+      change -= on->normal * on->normal.dot(change);
+    }
     put_vector(nodes.velocity, node, vector_at(nodes.velocity, node) + change);
     if (row.lever > 0.0) put_vector(nodes.position, node, vector_at(nodes.position, node) + row.lever * change);
   }
@@ -50,7 +72,7 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length)
     if (row.friction > 0.0 && along > 0.0) {
       // What would end the slip, within the cone.
       const Vector3 slip = rate - row.normal * row.normal.dot(rate);
-      Vector3 across = row.impulse - row.normal * before - slip / row.mobility;
+      Vector3 across = row.impulse - row.normal * before - slip / row.across;
       across -= row.normal * row.normal.dot(across);
       const double most = row.friction * along, size = across.norm();
       impulse += size > most ? Vector3(across * (most / size)) : across;
@@ -67,15 +89,14 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length)
 
 }  // namespace
 
-PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, double accuracy,
-                   int max_iterations) {
+PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, const PairAccuracy& accuracy) {
   PairSolution found;
   std::vector<Vector3> before(rows.size()), along(rows.size(), Vector3::Zero());
   double last = 0.0;  // square of the step before
-  for (; found.iterations < max_iterations; ++found.iterations) {
+  for (; found.iterations < accuracy.most; ++found.iterations) {
     for (std::size_t r = 0; r < rows.size(); ++r) before[r] = rows[r].impulse;
     found.residual = relax(rows, nodes, length);
-    if (found.residual <= accuracy) break;
+    if (found.residual <= (found.iterations < accuracy.patience ? accuracy.wanted : accuracy.enough)) break;
     // Steps add up along conjugate directions while they become shorter.
     double square = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r)

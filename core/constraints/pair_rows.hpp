@@ -8,7 +8,7 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <vector>
 
 #include <springnet/network.hpp>
@@ -33,18 +33,28 @@ struct PairRow {
   double least = 0.0;    // N s, along the normal: what it has given before
   double value = 0.0;
   Vector3 impulse = Vector3::Zero();  // N s
-  double mobility = 0.0;              // 1/kg, of the pair: sum of squares of weights times mobilities
+  double mobility = 0.0;              // 1/kg, of the pair along the normal
+  double across = 0.0;                // 1/kg, and along each other, at most
+};
+
+// What an obstacle lets a node on it do.
+struct OnObstacle {
+  Vector3 normal;  // unit, to the free side
+  bool sticks;     // else it slides
 };
 
 // Velocities and positions of all nodes, which impulses change.
 struct MovedNodes {
   springnet_vectors position, velocity;
   const std::vector<double>* mobility;  // [node] 1/kg; 0: it cannot move
+  // [node] A pair pushes those that are on obstacles along them only, or not at all, unless it pushes them off. Null:
+  // none is.
+  const std::map<std::uint32_t, OnObstacle>* on_obstacles = nullptr;
 };
 
 [[nodiscard]] Vector3 relative(const PairRow& row, const springnet_vectors& values);
-// Sets row.mobility. False if none of its nodes can move.
-[[nodiscard]] bool set_mobility(PairRow& row, const std::vector<double>& mobility);
+// Sets row.mobility and across. False if none of its nodes can move.
+[[nodiscard]] bool set_mobility(PairRow& row, const MovedNodes& nodes);
 // Changes velocities and positions by an impulse (N s) of a row.
 void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes);
 
@@ -52,9 +62,14 @@ struct PairSolution {
   double residual = 0.0;  // m: the greatest change of a gap or of a slip over the step in the last iteration
   int iterations = 0;
 };
-// Changes the impulses of all rows, from those that they have and that the nodes have moved with, until the residual is
-// at most `accuracy`, m. length: of the step, s.
-PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, double accuracy,
-                   int max_iterations);
+// How far iterations go: until the residual is at most `wanted`, or after `patience` of them `enough`, m; no more than
+// `most`.
+struct PairAccuracy {
+  double wanted, enough;
+  int patience, most;
+};
+// Changes the impulses of all rows, from those that they have and that the nodes have moved with. length: of the step,
+// s.
+PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, const PairAccuracy& accuracy);
 
 }  // namespace springnet

@@ -206,16 +206,18 @@ void Network::set_extent(std::size_t body, double thickness, double radius) {
 
 void Network::add_contact(const BodyContact& contact) {
   const std::string who = contact.name.empty() ? "a contact of bodies" : fmt::format("contact '{}'", contact.name);
+  constexpr std::size_t most = 200;  // each node knows of each
+  if (contacts_.size() >= most) fail(fmt::format("a network has at most {} contacts of bodies", most));
   if (contact.first.empty()) fail(fmt::format("{}: its first side has no nodes", who));
   BodyContact added = contact;
   for (std::vector<NodeIndex>* side : {&added.first, &added.second}) {
     sort(*side);
     for (const NodeIndex node : *side) {
       if (node >= nodes_.size()) fail(fmt::format("{}: there is no node {}; there are {}", who, node, nodes_.size()));
-      const bool has_body = std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-        return node >= body.first_node && node - body.first_node < body.node_count;
-      });
-      if (!has_body) fail(fmt::format("{}: node {} is of no body, which says how thick it is", who, node));
+      const auto after = std::upper_bound(bodies_.begin(), bodies_.end(), node,
+                                          [](NodeIndex k, const Body& body) { return k < body.first_node; });
+      if (after == bodies_.begin() || node - (after - 1)->first_node >= (after - 1)->node_count)
+        fail(fmt::format("{}: node {} is of no body, which says how thick it is", who, node));
     }
   }
   const auto same = [&](const BodyContact& other) { return !contact.name.empty() && contact.name == other.name; };

@@ -185,12 +185,12 @@ springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std
     throw Error(ErrorKind::plugin, "a drift must end after the committed time and have a positive time_constant");
   if (!last) last = std::make_unique<VerletStep>();
   const std::shared_ptr<VerletContact> before = last->obstacles;
-  const auto constrain_obstacles = [&]() -> springnet_status {
+  const auto constrain_obstacles = [&](const VerletContact::Pushes& pushes) -> springnet_status {
     if (!obstacles) return SPRINGNET_OK;
     last->obstacles = std::make_shared<VerletContact>(model, step.time, step.time_constant, before.get());
-    return last->obstacles->drift(step);
+    return last->obstacles->drift(step, pushes);
   };
-  if (!bodies) return constrain_obstacles();
+  if (!bodies) return constrain_obstacles({});
   last->bodies = std::make_shared<VerletPairs>(model, step.time, step.time_constant);
   return last->bodies->drift(step, constrain_obstacles);
 }

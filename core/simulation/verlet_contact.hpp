@@ -29,10 +29,18 @@ namespace springnet {
 
 class VerletContact {
  public:
+  // What bodies in contact give a node in the drift: a velocity, m/s, and how much less that moves it than if it had it
+  // from the start, m.
+  struct Push {
+    Vector3 velocity = Vector3::Zero(), shift = Vector3::Zero();
+  };
+  using Pushes = std::map<std::uint32_t, Push>;
+
   // From the committed state, in a step of this length (s). `last`: the step before, or null.
   VerletContact(Model& model, double until, double length, const VerletContact* last);
   // step.next_position, next_velocity: P and u without contact, replaced for bodies in contact; step.force: F, N.
-  springnet_status drift(const springnet_sweep& step);
+  // pushes: in them already.
+  springnet_status drift(const springnet_sweep& step, const Pushes& pushes = {});
   // Whether this is the step between these times (s), and its kick is still to come.
   [[nodiscard]] bool is_of(double from, double until) const noexcept {
     return !kicked_ && from == from_ && until == until_;

@@ -34,13 +34,20 @@ bool VerletContact::is_near(const springnet_sweep& step, std::uint32_t node, boo
   return false;
 }
 
-springnet_status VerletContact::drift(const springnet_sweep& step) {
+springnet_status VerletContact::drift(const springnet_sweep& step, const Pushes& pushes) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   const auto add = [&](const std::vector<std::uint32_t>& nodes,
                        std::optional<std::size_t> cluster) -> springnet_status {
     Body body = body_of(step, nodes);
     body.cluster = cluster;
     springnet_status status = evaluate_forces(body, step, model_.time, step.start_position, step.start_velocity);
+    for (Member& m : body.members) {
+      const auto push = pushes.find(m.node);
+      if (push == pushes.end() || m.fixed) continue;
+      m.half += push->second.velocity;
+      // The straight path that ends where it does.
+      if (contact_.committed(m.node).surface < 0) m.start += push->second.shift;
+    }
     if (status == SPRINGNET_OK) status = drift(body);
     if (status != SPRINGNET_OK || body.touchers.empty()) return status;
     for (const Member& m : body.members) {

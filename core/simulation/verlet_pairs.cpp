@@ -11,18 +11,23 @@
 
 #include <fmt/format.h>
 
+#include <springnet/error.hpp>
+
+#include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
 
 namespace springnet {
 namespace {
 
-// Of gaps, in units of the least thickness. Faces on faces have more pairs than determine their places, from slightly
-// different times at which these met, and so agree no better.
-constexpr double gap_tolerance = 1e-4;
+// Positions that no list of neighbours can be made of.
+struct Diverged {
+  std::string why;
+};
+
 // What iterations aim at, in units of that: most have it soon. After so many the tolerance is enough.
 constexpr double accuracy_share = 1e-5;
-constexpr int max_pair_iterations = 1000;
+constexpr int patience = 60, max_pair_iterations = 2000;
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_bounce_rounds = 50;  // rounds of impacts within a step after which they are inelastic
 constexpr double simultaneous = 1e-9;  // share of the step within which impacts are at the same time
@@ -89,7 +94,7 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
   PairRow row = row_of(kind, pair, at);
   row.lever = h_;
   known_.emplace(kind, pair);
-  if (!set_mobility(row, mobility_)) return;
+  if (!set_mobility(row, moved(step))) return;
   Contact contact{at.direction, bodies.primitives().thickness(kind, pair), share, false, false};
   // Its gap closes at most. So what slides from one face to the next is carried by the plane of the first for the rest
   // of the step.
@@ -165,7 +170,11 @@ bool VerletPairs::find(const springnet_sweep& step) {
   const proximity::Positions end = positions_of(read_only(step.next_position), n);
   proximity::Positions start = positions_of(step.start_position, n);
   if (!start_[0].empty()) start = {{start_[0].data(), start_[1].data(), start_[2].data()}, n};
-  bodies.list().update(start, end);
+  try {
+    bodies.list().update(start, end);
+  } catch (const Error& error) {  // the motion diverges, or bodies collapse
+    throw Diverged{error.what()};
+  }
   const proximity::Primitives& all = bodies.primitives();
   const unsigned threads = model_.evaluator.threads();
   proximity::find_near(all, bodies.list().pairs(), end, 0.0, near_, threads);
@@ -190,7 +199,7 @@ bool VerletPairs::find(const springnet_sweep& step) {
       PairRow& row = rows_.back();
       const double along = row.normal.dot(touch.guess);
       row.impulse = 0.5 * h_ * (touch.guess + (std::max(0.0, along) - along) * row.normal);
-      apply(row, row.impulse, {step.next_position, step.next_velocity, &mobility_});
+      apply(row, row.impulse, moved(step));
     }
   add_met(step, start, end);
   // What begins so near that it counts as touching.
@@ -248,7 +257,7 @@ springnet_status VerletPairs::fail() const {
 }
 
 springnet_status VerletPairs::separate(const springnet_sweep& step) {
-  const MovedNodes nodes{step.next_position, step.next_velocity, &mobility_};
+  const MovedNodes nodes = moved(step);
   for (int round = 0; round < max_pair_rounds; ++round) {
     bool done = true;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
@@ -270,13 +279,72 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
       finish_impacts(step);
       if (!find(step)) return SPRINGNET_OK;
     }
-    if (solve(rows_, nodes, h_, accuracy_, max_pair_iterations).residual > tolerance_) return fail();
+    if (solve(rows_, nodes, h_, {accuracy_, tolerance_, patience, max_pair_iterations}).residual > tolerance_)
+      return fail();
   }
   return fail();
 }
 
-springnet_status VerletPairs::drift(const springnet_sweep& step,
-                                    const std::function<springnet_status()>& constrain_others) {
+MovedNodes VerletPairs::moved(const springnet_sweep& step) const {
+  return {step.next_position, step.next_velocity, &mobility_, on_obstacles_.empty() ? nullptr : &on_obstacles_};
+}
+
+// Those of the drift as it decided them, or as committed by the kick.
+void VerletPairs::note_obstacles(const springnet_sweep& step, bool of_drift) {
+  on_obstacles_.clear();
+  if (model_.contact.obstacles().empty()) return;
+  const std::shared_ptr<const Placement> at = model_.placement(until_);
+  for (std::uint32_t k = 0; k < model_.node_count(); ++k) {
+    const Touch touch = of_drift ? model_.contact.now(k) : model_.contact.committed(k);
+    if (touch.surface < 0 || mobility_[k] == 0.0) continue;
+    const Vector3 normal =
+        model_.contact.normal(*at, static_cast<std::size_t>(touch.surface), vector_at(step.next_position, k));
+    // Coulomb's friction gives way to a push; how far, the obstacle says.
+    const Friction& friction = model_.contact.obstacles()[static_cast<std::size_t>(touch.surface)].friction();
+    on_obstacles_[k] = {normal, touch.count() > 1 || (!touch.slides && friction.kind == Friction::Kind::held)};
+  }
+}
+
+VerletContact::Pushes VerletPairs::pushes(const springnet_sweep& step) const {
+  VerletContact::Pushes result;
+  for (const PairRow& row : rows_)
+    for (int i = 0; i < row.count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double share = row.weights[k] * mobility_[row.nodes[k]];
+      if (share == 0.0) continue;
+      VerletContact::Push& push = result[row.nodes[k]];
+      push.velocity += share * row.impulse;
+      push.shift += (row.lever - h_) * share * row.impulse;
+    }
+  // An impact may lead through a thin obstacle, on the other side of which the node would be free: no more of it than
+  // leads into it.
+  for (const auto& [k, on] : on_obstacles_) {
+    const auto push = result.find(k);
+    if (push == result.end()) continue;
+    const double into = on.normal.dot(push->second.velocity);
+    if (!(into < 0.0)) continue;
+    const auto surface = static_cast<std::size_t>(model_.contact.now(k).surface);
+    const std::shared_ptr<const Placement> at = model_.placement(until_);
+    double share = 1.0;
+    while (share > 1e-18 &&
+           !(model_.contact.gap(*at, surface, vector_at(step.next_position, k) + share * h_ * into * on.normal) < 0.0))
+      share *= 0.5;
+    if (share < 1.0) share *= 0.25;  // its own forces press it on, too
+    push->second.velocity += (share - 1.0) * into * on.normal;
+  }
+  return result;
+}
+
+springnet_status VerletPairs::drift(const springnet_sweep& step, const ConstrainOthers& constrain_others) {
+  try {
+    return keep_apart(step, constrain_others);
+  } catch (const Diverged& diverged) {
+    set_message(model_.journal.message, diverged.why);
+    return SPRINGNET_RECOVERABLE;
+  }
+}
+
+springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const ConstrainOthers& constrain_others) {
   const std::size_t n = model_.node_count();
   const auto copy = [n](const springnet_vectors& from) {
     std::array<std::vector<double>, 3> to;
@@ -305,7 +373,8 @@ springnet_status VerletPairs::drift(const springnet_sweep& step,
     position = copy(step.next_position);
     velocity = copy(step.next_velocity);
   }
-  if (const springnet_status status = constrain_others(); status != SPRINGNET_OK) return status;
+  if (const springnet_status status = constrain_others({}); status != SPRINGNET_OK) return status;
+  note_obstacles(step, true);
   if (!find(step)) return SPRINGNET_OK;
   for (int round = 0; round < max_pair_rounds; ++round) {
     std::vector<Vector3> before;
@@ -317,12 +386,16 @@ springnet_status VerletPairs::drift(const springnet_sweep& step,
       const Vector3 change = rows_[r].impulse - (r < before.size() ? before[r] : Vector3(Vector3::Zero()));
       changed = std::max(changed, rows_[r].lever * rows_[r].mobility * change.norm());
     }
-    if (round > 0 && changed <= 0.1 * tolerance_) return SPRINGNET_OK;
+    // Iterations are no more accurate than that.
+    if (round > 0 && changed <= (round < 10 ? 1.0 : 10.0) * tolerance_) return SPRINGNET_OK;
+    const VerletContact::Pushes given = pushes(step);
     put_back(position, step.next_position);
     put_back(velocity, step.next_velocity);
     const MovedNodes nodes{step.next_position, step.next_velocity, &mobility_};
     for (const PairRow& row : rows_) apply(row, row.impulse, nodes);
-    if (const springnet_status status = constrain_others(); status != SPRINGNET_OK) return status;
+    if (const springnet_status status = constrain_others(given); status != SPRINGNET_OK) return status;
+    note_obstacles(step, true);
+    for (PairRow& row : rows_) row.is_done = !set_mobility(row, moved(step)) || row.is_done;
   }
   return fail();
 }
@@ -353,9 +426,8 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
     return SPRINGNET_OK;
   }
   // Obstacles have done their part of the kick: nodes that they keep go on as they say.
-  std::vector<double> mobility = mobility_;
-  for (std::uint32_t k = 0; !model_.contact.obstacles().empty() && k < model_.node_count(); ++k)
-    if (model_.contact.committed(k).surface >= 0) mobility[k] = 0.0;
+  note_obstacles(step, false);
+  const MovedNodes nodes = moved(step);
   struct Sum {
     PairRow row;
     Vector3 drift = Vector3::Zero(), kick = Vector3::Zero();  // N s
@@ -382,18 +454,18 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
     // Beside the border of a face its direction is not that of the face, however small the gap.
     if (!pushed && each.gap > 2.0 * accuracy_) continue;
     PairRow row = row_of(each.kind, each.pair, each.separation);
-    if (!set_mobility(row, mobility)) continue;
+    if (!set_mobility(row, nodes)) continue;
     Sum& sum = sums[std::pair(each.kind, each.pair)];
     if (sum.bounced) continue;
     row.by_rate = true;
     // As in the drift, if it rests.
     if (sum.touched) row.impulse = sum.drift;
-    apply(row, row.impulse, {step.next_position, step.next_velocity, &mobility});
+    apply(row, row.impulse, nodes);
     rows.push_back(row);
     of_row.push_back(&sum);
   }
-  const MovedNodes nodes{step.next_position, step.next_velocity, &mobility};
-  if (solve(rows, nodes, h_, accuracy_, max_pair_iterations).residual > tolerance_) return fail();
+  if (solve(rows, nodes, h_, {accuracy_, tolerance_, patience, max_pair_iterations}).residual > tolerance_)
+    return fail();
   const double no_rate = std::max(0.1 * tolerance_ / h_, model_.no_speed());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     of_row[i]->row = rows[i];

@@ -17,6 +17,7 @@
 
 #include "constraints/pair_rows.hpp"
 #include "simulation/model.hpp"
+#include "simulation/verlet_contact.hpp"
 
 namespace springnet {
 
@@ -25,9 +26,10 @@ class VerletPairs {
   // From the committed state, in a step of this length (s).
   VerletPairs(Model& model, double until, double length);
 
-  // step.next_position, next_velocity: P and u with all else that constrains them, which `constrain_others` finds anew
-  // from what it is given.
-  springnet_status drift(const springnet_sweep& step, const std::function<springnet_status()>& constrain_others);
+  // step.next_position, next_velocity: P and u without contact. `constrain_others` has obstacles act on what is there,
+  // which has these impulses of bodies already.
+  using ConstrainOthers = std::function<springnet_status(const VerletContact::Pushes&)>;
+  springnet_status drift(const springnet_sweep& step, const ConstrainOthers& constrain_others);
   // step.next_velocity: V, likewise. Commits the pairs that touch.
   springnet_status kick(const springnet_sweep& step);
   // Whether this is the step between these times (s), and its kick is still to come.
@@ -54,6 +56,10 @@ class VerletPairs {
   // Adds rows of pairs that met_ has: of each node the first.
   void add_met(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
   void finish_impacts(const springnet_sweep& step);
+  springnet_status keep_apart(const springnet_sweep& step, const ConstrainOthers& constrain_others);
+  [[nodiscard]] MovedNodes moved(const springnet_sweep& step) const;
+  void note_obstacles(const springnet_sweep& step, bool of_drift);
+  [[nodiscard]] VerletContact::Pushes pushes(const springnet_sweep& step) const;
   [[nodiscard]] double gap(std::size_t row, const springnet_vectors& position) const;
   // Impulses until no pair overlaps at the end of the step.
   springnet_status separate(const springnet_sweep& step);
@@ -79,6 +85,7 @@ class VerletPairs {
       return {values.data(), values.data() + n, values.data() + 2 * n};
     }
   } gained_;
+  std::map<std::uint32_t, OnObstacle> on_obstacles_;
   std::map<std::uint32_t, double> struck_;  // [node] share of the step of its last impact
   int rounds_ = 0;                          // of finding pairs
   std::vector<proximity::NearPair> near_;

@@ -11,7 +11,7 @@ using Json = nlohmann::ordered_json;
 Json json_of(const EventCounts& events) {
   return {{"cut", events.cut},           {"ruptured", events.ruptured}, {"touched", events.touched},
           {"released", events.released}, {"slipped", events.slipped},   {"stuck", events.stuck},
-          {"jammed", events.jammed}};
+          {"jammed", events.jammed},     {"met", events.met},           {"parted", events.parted}};
 }
 
 Json json_of(const Validation& validation, const ValidationRun& run) {

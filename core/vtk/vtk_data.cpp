@@ -120,6 +120,11 @@ void VtkNet::take(const Record& record) {
   for (NodeIndex k = 0; k < nodes; ++k) {
     contact[k] = simulation.held(k) ? 2 : simulation.touching(k) ? 1 : 0;
     surface[k] = -1;
+  }
+  for (const BodyTouch& touch : simulation.body_touches())
+    for (std::size_t i = 0; i < touch.count; ++i)
+      if (contact[touch.nodes[i]] == 0) contact[touch.nodes[i]] = 1;
+  for (NodeIndex k = 0; k < nodes; ++k) {
     if (contact[k] == 0) continue;
     if (const auto touched = simulation.surfaces_of(k); !touched.empty()) {
       surface[k] = static_cast<std::int64_t>(touched.front());

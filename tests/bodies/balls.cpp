@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include <springnet/events.hpp>
+
 #include "bodies.hpp"
 
 using namespace springnet;
@@ -147,4 +149,54 @@ TEST_CASE("a moved ball pushes another one along, with the force that this takes
   REQUIRE(s.body_touches().size() == 1);
   // Over a step; the cubics of the table have the acceleration to some per cent.
   CHECK(s.body_touches()[0].force.norm() == doctest::Approx(m * a).epsilon(0.1));
+}
+
+TEST_CASE("balls that meet on a floor exchange what they would without it, and the floor carries them") {
+  const double m = 1.5, n = 0.5, speed = 2.0, e = 0.5;
+  for (const double mu : {0.0, 0.2}) {
+    CAPTURE(mu);
+    Network net;
+    add_ball(net, "a", {-0.5, 0, 0}, {speed, 0, 0}, m, 0.1);
+    add_ball(net, "b", {0.3, 0, 0}, at_rest, n, 0.1);
+    touch_all(net, frictionless, e);
+    Plane floor;
+    floor.friction = {Friction::Kind::coulomb, mu};
+    net.add_plane(floor);
+    net.set_gravity({0, 0, -9.81});
+    Simulation s = simulate(net, verlet, 0.001);
+    const auto met = [&] { return count_events(s).met > 0; };
+    while (!met()) s.step();
+    // They meet after 0.6 m: v^2 = v0^2 - 2 mu g 0.6; the time of the impact is within its step.
+    const double arrives = std::sqrt(speed * speed - 2.0 * mu * 9.81 * 0.6);
+    const double impulse = (1.0 + e) * m * n / (m + n) * arrives;
+    CHECK(s.velocity(0)[0] == doctest::Approx(arrives - impulse / m).epsilon(mu > 0.0 ? 5e-3 : 1e-9));
+    CHECK(s.velocity(1)[0] == doctest::Approx(impulse / n).epsilon(mu > 0.0 ? 5e-3 : 1e-9));
+    advance(s, 20);
+    for (const NodeIndex k : {0u, 1u}) CHECK(std::abs(s.position(k)[2]) <= 1e-9);
+  }
+}
+
+TEST_CASE("balls that others push do not pass an obstacle, and it carries those on top") {
+  Network net;
+  add_ball(net, "low", {0, 0, 0.0006}, at_rest, 0.1, 0.1);
+  add_ball(net, "heavy", {0, 0, 0.35}, {0, 0, -3}, 5.0, 0.1);
+  touch_all(net, frictionless);
+  Instrument bar;
+  bar.first = {-1, 0, -0.001};
+  bar.second = {1, 0, -0.001};
+  bar.radius = 0.001;
+  bar.friction = {};
+  net.add_instrument(bar);
+  net.set_gravity({0, 0, -9.81});
+  for (const double h : {0.002, 0.01}) {
+    CAPTURE(h);
+    Simulation s = simulate(net, verlet, h);
+    while (s.time() < 0.5) {
+      s.step();
+      REQUIRE(s.position(0)[2] >= -1e-6);
+      REQUIRE(s.position(1)[2] - s.position(0)[2] >= 0.2 - 3e-5);
+    }
+    CHECK(s.surface_force(0)[2] == doctest::Approx(-5.1 * 9.81).epsilon(1e-3));
+    CHECK(s.reaction(0)[2] == doctest::Approx(5.1 * 9.81).epsilon(1e-3));
+  }
 }

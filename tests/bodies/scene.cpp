@@ -107,3 +107,54 @@ TEST_CASE("bodies that begin in each other are refused, and inspect names the pa
                        doctest::Contains("contact.0: node 0 and the face of nodes 1, 2, 3 are 0.03 m"), Error);
   CHECK_THROWS_AS(simulate(scene.network, verlet, 0.01), Error);
 }
+
+TEST_CASE("edges and corners of faces on different sides are on all of them, whatever the order of the faces") {
+  for (const bool swapped : {false, true}) {
+    CAPTURE(swapped);
+    Network net;
+    net.begin_body("roof");
+    for (const Vector3& place : {Vector3(-1, 0, 0), Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(0, 1, 0.5)}) {
+      Node node = point(place);
+      node.fixed = true;
+      net.add_node(node);
+    }
+    net.add_face(swapped ? Face{0, 1, 2} : Face{0, 2, 3});
+    net.add_face(swapped ? Face{0, 2, 3} : Face{0, 1, 2});
+    net.end_body();
+    net.set_extent(0, 0.02, 0.0);
+    const NodeIndex ball = add_ball(net, "ball", {0, 0, 1.5}, {0, 0, -2}, 1.0, 0.1);
+    // One contact has one face, and one the other, which meet in the corner below the ball.
+    BodyContact one, other;
+    one.first = {0, 1, 2};
+    other.first = {0, 2, 3};
+    one.second = {ball};
+    other.second = {3};
+    other.first = {0, 2, 3};
+    net.add_contact(one);
+    BodyContact itself = other;
+    itself.second = {ball};
+    net.add_contact(itself);
+    Simulation s = simulate(net, verlet, 0.01);
+    advance(s, 40);
+    CHECK(s.position(ball)[2] >= 1.1);
+  }
+}
+
+TEST_CASE("what rests on another can be run anew from where it is") {
+  Network net;
+  add_ball(net, "ground", {0, 0, 0}, at_rest, 1.0, 0.1, true);
+  add_ball(net, "ball", {0, 0, 0.23}, at_rest, 1.0, 0.1);
+  touch_all(net, frictionless);
+  net.set_gravity({0, 0, -9.81});
+  Simulation s = simulate(net, verlet, 0.01);
+  advance(s, 100);
+  REQUIRE(s.body_touches().size() == 1);
+  CHECK(s.reaction(0)[2] == doctest::Approx(2.0 * 9.81).epsilon(1e-4));
+  Simulation again = simulate(s.present_network(), verlet, 0.01);
+  advance(again, 10);
+  CHECK(again.body_touches().size() == 1);
+  Simulation copy = s.clone();
+  advance(copy, 10);
+  advance(s, 10);
+  CHECK(copy.positions() == s.positions());
+}

@@ -48,12 +48,13 @@ TEST_CASE("a node that is fired at a sheet at a hundred thicknesses a step does 
       REQUIRE(!s.events().empty());
       if (fixed) {
         CHECK(s.position(ball)[2] >= 0.002 - 1e-8);
-        // Where it slides onto the next face, that is met at the root of the rounding before its border: 1e-8 of 20 m/s.
+        // Where it slides onto the next face, that is met at the root of the rounding before its border: 1e-8 of 20
+        // m/s.
         CHECK((s.velocity(ball) - Vector3(v[0], v[1], 0)).norm() <= 1e-6);
       } else {
         CHECK((momentum(net, s) - p).norm() <= 1e-13);
-        // Each impact keeps it; where one bends the path to another of the same step, that is where it would have been to
-        // the share of both in the step: 1e-5 of what the ball brings.
+        // Each impact keeps it; where one bends the path to another of the same step, that is where it would have been
+        // to the share of both in the step: 1e-5 of what the ball brings.
         CHECK((angular_momentum(net, s) - l).norm() <= 1e-5 * l.norm() + 1e-6 * p.norm());
         CHECK(count_crossings(net, s) == 0);
       }
