@@ -97,6 +97,7 @@ PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double l
     for (std::size_t r = 0; r < rows.size(); ++r) before[r] = rows[r].impulse;
     found.residual = relax(rows, nodes, length);
     if (found.residual <= (found.iterations < accuracy.patience ? accuracy.wanted : accuracy.enough)) break;
+    if (found.iterations + 1 == accuracy.most) continue;  // the last one has to be in the cones
     // Steps add up along conjugate directions while they become shorter.
     double square = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r)

@@ -10,25 +10,10 @@
 #include <springnet/events.hpp>
 
 #include "bodies.hpp"
-#include "constraints/body_contacts.hpp"
-#include "proximity/crossings.hpp"
+#include "crossings.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
-
-namespace {
-
-std::size_t count_crossings(const Network& net, const Simulation& s) {
-  std::vector<std::uint32_t> numbers(net.nodes().size());
-  std::iota(numbers.begin(), numbers.end(), 0u);
-  BodyContacts bodies(net, numbers, numbers);
-  std::array<std::vector<double>, 3> x;
-  for (NodeIndex k = 0; k < net.nodes().size(); ++k)
-    for (std::size_t c = 0; c < 3; ++c) x[c].push_back(s.position(k)[static_cast<Eigen::Index>(c)]);
-  return find_crossings(bodies.primitives(), {{x[0].data(), x[1].data(), x[2].data()}, net.nodes().size()}).size();
-}
-
-}  // namespace
 
 TEST_CASE("a node that is fired at a sheet at a hundred thicknesses a step does not pass") {
   const double thickness = 0.002, h = 0.01, speed = 100.0 * thickness / h;

@@ -1,0 +1,84 @@
+// Bodies that come to rest on each other, and a sheet on itself.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "bodies.hpp"
+#include "crossings.hpp"
+
+using namespace springnet;
+using namespace springnet::testing;
+
+TEST_CASE("a dropped stack of soft blocks comes to rest, none enters another, and the floor carries all") {
+  Network net;
+  const int count = 4;
+  const double mass = 0.02;
+  for (int i = 0; i < count; ++i)
+    add_block(net, "block " + std::to_string(i), 3, 0.1, {0.007 * (i % 2), 0.011 * (i % 3), 0.005 + 0.23 * i}, at_rest,
+              mass, 0.01, 1500.0, 1.0);
+  touch_all(net, {Friction::Kind::coulomb, 0.5});
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, 0.5};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -9.81});
+  Simulation s = simulate(net, verlet, 0.001);
+  double carried = 0.0;  // N s
+  while (s.time() < 2.0) {
+    s.step();
+    if (s.time() > 1.5) carried -= 0.001 * s.surface_force(0)[2];
+    if (s.steps() % 50 == 0) REQUIRE(count_crossings(net, s) == 0);
+  }
+  double fastest = 0.0;
+  for (NodeIndex k = 0; k < net.nodes().size(); ++k) fastest = std::max(fastest, s.velocity(k).norm());
+  // They rock on each other for long: soft corners carry them. They fell at 2 m/s.
+  CHECK(fastest <= 0.05);
+  CHECK(carried == doctest::Approx(0.5 * count * 27 * mass * 9.81).epsilon(0.02));
+}
+
+TEST_CASE("a sheet that folds onto itself does not pass through itself") {
+  Network net;
+  net.begin_body("strip");
+  const std::uint32_t across = 4, along = 31;
+  const double spacing = 0.02, radius = 0.04, length = 0.24, mass = 0.0005;
+  const MaterialIndex material = net.add_material(damped(60.0, 0.02));
+  for (std::uint32_t j = 0; j < across; ++j)
+    for (std::uint32_t i = 0; i < along; ++i) {
+      // Along the floor, up a half circle, and back above.
+      const double x = spacing * i, turn = std::clamp((x - length) / radius, 0.0, std::numbers::pi);
+      const double back = std::max(0.0, x - length - std::numbers::pi * radius);
+      net.add_node(point({std::min(x, length) + radius * std::sin(turn) - back, spacing * j + 0.1 * back,
+                          radius * (1.0 - std::cos(turn)) + 0.001},
+                         mass));
+    }
+  const auto at = [&](std::uint32_t i, std::uint32_t j) { return i + along * j; };
+  for (std::uint32_t j = 0; j < across; ++j)
+    for (std::uint32_t i = 0; i < along; ++i) {
+      if (i + 1 < along) net.add_spring(at(i, j), at(i + 1, j), material);
+      if (j + 1 < across) net.add_spring(at(i, j), at(i, j + 1), material);
+      if (i + 1 == along || j + 1 == across) continue;
+      net.add_spring(at(i, j), at(i + 1, j + 1), material);
+      net.add_face({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      net.add_face({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  net.end_body();
+  net.set_extent(0, 0.004, 0.0);
+  touch_all(net, {Friction::Kind::coulomb, 0.2});
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, 0.4};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -9.81});
+  Simulation s = simulate(net, verlet, 0.0005);
+  bool met = false;
+  while (s.time() < 0.4) {
+    s.step();
+    met = met || !s.body_touches().empty();
+    if (s.steps() % 40 == 0) REQUIRE(count_crossings(net, s) == 0);
+  }
+  CHECK(met);
+  // The end lies on the part below it, not on the floor.
+  CHECK(s.position(at(along - 1, 1))[2] >= 0.0035);
+}
