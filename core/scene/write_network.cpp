@@ -186,7 +186,8 @@ void write_bodies(const Network& network, const PluginHost& plugins, const Value
                 return fmt::format("[{}, {}, {}]", face[0] - block.first_node, face[1] - block.first_node,
                                    face[2] - block.first_node);
               }));
-    if (block.body != nullptr && block.body->thickness > 0.0) out.add("surface_thickness", number(block.body->thickness));
+    if (block.body != nullptr && block.body->thickness > 0.0)
+      out.add("surface_thickness", number(block.body->thickness));
     if (block.body != nullptr && block.body->radius > 0.0) out.add("radius", number(block.body->radius));
     if (block.body == nullptr || block.body->groups.empty()) continue;
     out.add("groups", list(block.body->groups.size(), [&](std::size_t k) {
