@@ -133,17 +133,13 @@ void VerletPairs::add_met(const springnet_sweep& step, const proximity::Position
     }
     const auto meeting = refine(each.kind, from, to, all.thickness(each.kind, each.pair), each.meeting);
     if (!meeting) continue;
-    found.push_back({each, *meeting});
     // Before an impact of one of its nodes the path is another one.
     const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.kind, each.pair);
     const bool is_past = std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t node) {
       const auto struck = struck_.find(node);
-      return struck != struck_.end() && found.back().at.time < struck->second - simultaneous;
+      return struck != struck_.end() && meeting->time < struck->second - simultaneous;
     });
-    if (is_past) {
-      found.pop_back();
-      continue;
-    }
+    if (!is_past) found.push_back({each, *meeting});
   }
   // Of each node the first one: its path after that is another one.
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
