@@ -11,7 +11,7 @@ Table contacts() {
       .content = "forces of bodies on each other",
       .columns = {{{"pair"},
                    "",
-                   "nodes of both that touch: `3 | 8 9 12` is node 3 and a face, `3 4 | 8 9` two edges",
+                   "nodes of both that touch: `3; 8 9 12` is node 3 and a face, `3 4; 8 9` two edges",
                    Columns::Cell::text},
                   {{"x", "y", "z"}, "m", "where, in the middle of the gap that their thickness fills"},
                   {{"nx", "ny", "nz"}, "", "direction from the second to the first, of length 1"},

@@ -64,7 +64,7 @@ Table events() {
             "likewise the tension, N, or the generalised force of the element: N m, N/m, Pa; `nan` for a node"},
            {{"pair"},
             "",
-            "of bodies that met or parted, the nodes of both: `3 | 8 9 12` is node 3 and a face, `3 4 | 8 9` two edges",
+            "of bodies that met or parted, the nodes of both: `3; 8 9 12` is node 3 and a face, `3 4; 8 9` two edges",
             Columns::Cell::text}},
       .wanted = [](const Network&, const OutputOptions&) { return true; },
       .leave_out_hint = "",

@@ -38,7 +38,7 @@ std::vector<double> label_lengths(const Network& network) {
 std::string pair_of(const std::array<std::uint32_t, 4>& nodes, std::size_t first, std::size_t count) {
   std::string text;
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) text += i == first ? " | " : " ";
+    if (i > 0) text += i == first ? "; " : " ";
     text += std::to_string(nodes[i]);
   }
   return text;

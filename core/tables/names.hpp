@@ -24,7 +24,7 @@ namespace springnet::tables {
   return network.planes().size() + network.instruments().size();
 }
 
-// "12 13 | 7 8 9": the nodes of the first of two parts of bodies, then those of the second.
+// "12 13; 7 8 9": the nodes of the first of two parts of bodies, then those of the second.
 [[nodiscard]] std::string pair_of(const std::array<std::uint32_t, 4>& nodes, std::size_t first, std::size_t count);
 
 }  // namespace springnet::tables

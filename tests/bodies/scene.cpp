@@ -5,11 +5,13 @@
 #include <string>
 
 #include <springnet/inspection.hpp>
+#include <springnet/run.hpp>
 #include <springnet/scene.hpp>
 #include <springnet/scene_writer.hpp>
 
 #include "bodies.hpp"
-#include "refusal.hpp"
+#include "csv.hpp"
+#include "temporary_folder.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -157,4 +159,30 @@ TEST_CASE("what rests on another can be run anew from where it is") {
   advance(copy, 10);
   advance(s, 10);
   CHECK(copy.positions() == s.positions());
+}
+
+TEST_CASE("a run writes where bodies touch, with which force, and when they met") {
+  Network net;
+  add_ball(net, "ground", {0, 0, 0}, at_rest, 1.0, 0.1, true);
+  add_ball(net, "ball", {0, 0, 0.2}, at_rest, 0.5, 0.1);
+  touch_all(net, frictionless);
+  net.set_gravity({0, 0, -10});
+  Scene scene;
+  scene.network = net;
+  scene.duration = 0.5;
+  scene.options.time_step = 0.0625;
+  scene.options.integrator = verlet;
+  scene.output.view = false;
+  const TemporaryFolder folder;
+  CHECK_FALSE(run_scene(scene, plugins(), {folder.path() / "run", "balls", {}}).failure);
+  const std::string contacts = read_text(folder.path() / "run" / "contacts.csv");
+  CHECK(contacts.starts_with("time,pair,x,y,z,nx,ny,nz,fx,fy,fz\n"));
+  CHECK(contacts.find("\n0.5,0; 1,0,0,0.1") != std::string::npos);
+  CHECK(std::count(contacts.begin(), contacts.end(), '\n') == 9);  // after each step; none is known at the start
+  const std::string events = read_text(folder.path() / "run" / "events.csv");
+  CHECK(events.find(",met,node,0,") != std::string::npos);
+  CHECK(events.find(",0; 1\n") != std::string::npos);
+  scene.output.contacts = false;
+  CHECK_FALSE(run_scene(scene, plugins(), {folder.path() / "less", "balls", {}}).failure);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "less" / "contacts.csv"));
 }

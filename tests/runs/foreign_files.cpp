@@ -212,5 +212,5 @@ TEST_CASE("a table with a path follows a link") {
   { TableWriter events("events", folder.path() / "link.csv", Network{}); }
   CHECK(fs::is_symlink(folder.path() / "link.csv"));
   CHECK(read_text(folder.path() / "table.csv") ==
-        "time,event,element,index,surface,jx,jy,jz,x,y,z,vx,vy,vz,nx,ny,nz,value,force\n");
+        "time,event,element,index,surface,jx,jy,jz,x,y,z,vx,vy,vz,nx,ny,nz,value,force,pair\n");
 }

@@ -131,7 +131,7 @@ TEST_CASE("cuts and contacts are counted and listed with the user's numbers") {
   CHECK(summary.springs == 1);
   CHECK(summary.springs_left == 0);
   const testing::Csv csv = testing::read_csv(folder.path() / "events.csv");
-  CHECK(csv.header == "time,event,element,index,surface,jx,jy,jz,x,y,z,vx,vy,vz,nx,ny,nz,value,force");
+  CHECK(csv.header == "time,event,element,index,surface,jx,jy,jz,x,y,z,vx,vy,vz,nx,ny,nz,value,force,pair");
   REQUIRE(csv.rows.size() == 2);
   CHECK(csv.number(0, 0) == doctest::Approx(0.3));
   CHECK(csv.rows[0][1] == "cut");

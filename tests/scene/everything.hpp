@@ -22,6 +22,7 @@ trajectory = false
 reactions = true
 surfaces = false
 rigid = false
+contacts = false
 elements = false
 energies = true
 states = false
@@ -43,6 +44,8 @@ neuron = { type = "point_mass", mass = 2.0 }
 spring = { type = "linear", stiffness = 3.0 }
 viscosity = { type = "power", damping = 2.0, exponent = 1.5 }
 rest_length_scale = 0.5
+surface_thickness = 0.01
+radius = 0.02
 
 [[body]]                      # nodes 8 to 10, springs 12 and 13
 name = "chain"
@@ -142,6 +145,12 @@ select = { nodes = [6] }
 sinusoid = { amplitude = [0, 0.1, 0], frequency = 2.5, phase = 0.5 }
 from = 0.25
 until = 2.25
+
+[[contact]]
+name = "apart"
+between = [{ body = "block" }]
+friction = 0.25
+restitution = 0.5
 
 [[plane]]
 name = "floor"

@@ -33,6 +33,7 @@ std::string listed_path(const std::string& path) {
       if (path == std::string(joined) + end) return "select";
     }
   }
+  if (path == "contact.between") return "select";
   if (path.ends_with(".elongations")) return "values";
   for (const char* shared : {"motion", "turn"}) {
     if (path.ends_with(std::string(".") + shared)) return shared;
