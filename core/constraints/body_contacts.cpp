@@ -154,14 +154,15 @@ class Collection {
 
   // After all triangles are known: edges and corners of them, and which groups are checked.
   void check_groups() {
-    std::vector<double> least(groups(), std::numeric_limits<double>::infinity());  // radius, m
-    const auto note = [&](Group g, double radius) { least[g] = std::min(least[g], radius); };
-    for (const proximity::Triangle& each : lists.triangles) note(each.group, each.radius);
-    for (const proximity::Ball& each : lists.balls) note(each.group, each.radius);
     lists.edges = proximity::edges_of(lists.triangles);
     std::vector<proximity::Ball> corners = proximity::corners_of(lists.triangles);
     share_groups(corners);
     lists.balls.insert(lists.balls.end(), corners.begin(), corners.end());
+    std::vector<double> least(groups(), std::numeric_limits<double>::infinity());  // radius, m
+    const auto note = [&](Group g, double radius) { least[g] = std::min(least[g], radius); };
+    for (const proximity::Triangle& each : lists.triangles) note(each.group, each.radius);
+    for (const proximity::Ball& each : lists.balls) note(each.group, each.radius);
+    for (const proximity::Edge& each : lists.edges) note(each.group, each.radius);
     const std::size_t n = groups();
     law_of_groups.assign(n * n, 0);
     for (Group a = 0; a < n; ++a) {
