@@ -151,6 +151,24 @@ TEST_CASE("a moved ball pushes another one along, with the force that this takes
   CHECK(s.body_touches()[0].force.norm() == doctest::Approx(m * a).epsilon(0.1));
 }
 
+TEST_CASE("a ball that a moved one strikes flies off with (1 + e) of its speed") {
+  const double speed = 2.0, e = 0.5;
+  Network net;
+  const NodeIndex club = add_ball(net, "club", {0, 0, 0}, at_rest, 1.0, 0.1);
+  add_ball(net, "ball", {0.5, 0, 0}, at_rest, 0.4, 0.1);
+  touch_all(net, frictionless, e);
+  Motion motion;
+  motion.interpolation = Motion::Interpolation::linear;
+  motion.times = {0.0, 1.0};
+  motion.displacements = {Vector3::Zero(), Vector3(speed, 0, 0)};
+  net.add_move({{club}, motion});
+  Simulation s = simulate(net, verlet, 0.007);
+  while (s.time() < 0.2) s.step();
+  const double leaves = (1.0 + e) * speed;
+  CHECK(s.velocity(1)[0] == doctest::Approx(leaves).epsilon(1e-12));
+  CHECK(s.position(1)[0] == doctest::Approx(0.5 + leaves * (s.time() - 0.15)).epsilon(1e-9));
+}
+
 TEST_CASE("balls that meet on a floor exchange what they would without it, and the floor carries them") {
   const double m = 1.5, n = 0.5, speed = 2.0, e = 0.5;
   for (const double mu : {0.0, 0.2}) {
