@@ -1,6 +1,6 @@
 // Contact of bodies with each other and with themselves: what is checked against what, with which friction, and which
 // pairs touch at the committed state. Detection is the business of the room proximity; what pairs do in a step that of
-// PairContacts.
+// an integrator's part in the room simulation (VerletPairs).
 #pragma once
 
 #include <array>

@@ -63,7 +63,7 @@ namespace {
 double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length) {
   double greatest = 0.0;
   for (PairRow& row : rows) {
-    if (row.is_done) continue;
+    if (row.is_done || row.is_blocked) continue;
     const Vector3 rate = relative(row, nodes.velocity);
     const double missing = row.by_rate ? -(row.value + row.normal.dot(rate))
                                        : -(row.value + row.normal.dot(relative(row, nodes.position))) / row.lever;

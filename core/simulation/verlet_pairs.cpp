@@ -259,7 +259,7 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
     bool done = true;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       PairRow& row = rows_[r];
-      if (row.is_done) continue;
+      if (row.is_done || row.is_blocked) continue;
       const double now = gap(r, step.next_position);
       // Its path is curved. Where little of the step is left that is little, too, and left to the next one.
       const bool may_close = !contacts_[r].bounces && row.lever >= 0.5 * h_;
@@ -394,7 +394,7 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
     for (const PairRow& row : rows_) apply(row, row.impulse, nodes);
     if (const springnet_status status = constrain_others(given); status != SPRINGNET_OK) return status;
     note_obstacles(step, true);
-    for (PairRow& row : rows_) row.is_done = !set_mobility(row, moved(step)) || row.is_done;
+    for (PairRow& row : rows_) row.is_blocked = !set_mobility(row, moved(step));
   }
   return fail();
 }

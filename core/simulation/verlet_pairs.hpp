@@ -39,12 +39,11 @@ class VerletPairs {
 
  private:
   struct Contact {
-    Vector3 side;                    // direction of the pair while it has not gone through
-    double thickness;                // m
-    double time;                     // when they met, as a share of the step
-    bool is_impact;                  // they met within the step
-    bool bounces;                    // and fly apart
-    Vector3 kick = Vector3::Zero();  // N s
+    Vector3 side;      // direction of the pair while it has not gone through
+    double thickness;  // m
+    double time;       // when they met, as a share of the step
+    bool is_impact;    // they met within the step
+    bool bounces;      // and fly apart
   };
 
   // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
