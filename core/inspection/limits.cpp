@@ -107,6 +107,11 @@ void find_limits(const StartingNetwork& start, const PluginHost& plugins, Inspec
   std::vector<std::shared_ptr<const Component>> integrators;
   for (const auto& component : plugins.components())
     if (component->kind() == ComponentKind::integrator) integrators.push_back(component);
+  // Others refuse bodies in contact.
+  if (!start.network().contacts().empty())
+    std::erase_if(integrators, [](const auto& component) {
+      return (component->description->capabilities & SPRINGNET_KEEPS_BODIES_APART) == 0;
+    });
   // The scene's integrator first.
   std::stable_sort(integrators.begin(), integrators.end(), [&](const auto& a, const auto& b) {
     return std::pair(a->id() != used.id, a->id()) < std::pair(b->id() != used.id, b->id());

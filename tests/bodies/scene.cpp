@@ -186,3 +186,18 @@ TEST_CASE("a run writes where bodies touch, with which force, and when they met"
   CHECK_FALSE(run_scene(scene, plugins(), {folder.path() / "less", "balls", {}}).failure);
   CHECK_FALSE(std::filesystem::exists(folder.path() / "less" / "contacts.csv"));
 }
+
+TEST_CASE(
+    "inspect tells the largest steps of integrators that take bodies in contact, and the pairs that begin in each "
+    "other") {
+  Network net;
+  add_ball(net, "a", {0, 0, 0}, at_rest, 1.0, 0.1);
+  add_ball(net, "b", {0.15, 0, 0}, at_rest, 1.0, 0.1);
+  const auto others = inspect(net, *plugins(), {}).limits.size();
+  touch_all(net, frictionless);
+  const Inspection found = inspect(net, *plugins(), {});
+  CHECK(others > found.limits.size());
+  for (const TimeConstantLimit& each : found.limits) CHECK(each.integrator == "verlet");
+  const auto names = [](const Hint& hint) { return hint.text.find("nodes 0 and 1 by 0.05 m") != std::string::npos; };
+  CHECK(std::count_if(found.hints.begin(), found.hints.end(), names) == 1);
+}

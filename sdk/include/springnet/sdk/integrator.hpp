@@ -23,10 +23,10 @@
 //
 //     static constexpr bool integrates_states = true;
 //
-// and is refused where there is any if it does not; one that keeps bodies apart (springnet_host::constrain does, in
-// velocity Verlet's way), keeps_bodies_apart likewise. More that it may declare in this way, for `plugin show`:
-// locates_events, chooses_steps; without_contact and without_rigid, where the host then refuses such networks. And more
-// members, each optional:
+// and is refused where there is any if it does not. In the same way one that keeps bodies apart from each other
+// declares keeps_bodies_apart; springnet_host::constrain does the work in a step of velocity Verlet. More that it may
+// declare, for `plugin show`: locates_events, chooses_steps; without_contact and without_rigid, where the host then
+// refuses such networks. And more members, each optional:
 //
 //     void forget();                                       // drops what it keeps from one advance() to the next
 //     void save(const ByteSink& sink) const;               // writes it
