@@ -21,7 +21,9 @@ ConstraintSet::ConstraintSet(const Network& network, const std::vector<std::uint
     : mass_(mass),
       contact_(network, user_number, engine_number, mass),
       rigid_(network, user_number, engine_number, mass, contact_),
-      bodies_(network, user_number, engine_number) {}
+      bodies_(network, user_number, engine_number) {
+  if (bodies_.any()) pushes_.resize(mass.size());
+}
 
 bool ConstraintSet::is_lone(std::uint32_t node) const noexcept {
   const std::uint32_t* const clusters = rigid_.cluster_of();
@@ -118,11 +120,14 @@ double ConstraintSet::coefficient(std::uint32_t node, std::size_t obstacle) cons
 
 void ConstraintSet::constrain(const Placement& end, std::uint32_t first, std::uint32_t count,
                               const springnet_sweep& sweep, const Vector3* read) {
+  for (std::uint32_t k = first; pushes_.count() > 0 && k < first + count; ++k) pushes_.apply(k, sweep, mass_[k]);
   contact_.constrain(end, first, count, sweep, rigid_.cluster_of(), read);
 }
 
 void ConstraintSet::constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
                               const springnet_const_vectors& read) {
+  if (pushes_.count() > 0)
+    for (const std::uint32_t k : nodes) pushes_.apply(k, sweep, mass_[k]);
   contact_.constrain(end, nodes, sweep, read);
 }
 

@@ -13,6 +13,7 @@
 #include <springnet/network.hpp>
 
 #include "constraints/body_contacts.hpp"
+#include "constraints/body_pushes.hpp"
 #include "constraints/constraint_system.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/rigid.hpp"
@@ -33,6 +34,8 @@ class ConstraintSet {
   [[nodiscard]] const RigidConnections& rigid() const noexcept { return rigid_; }
   [[nodiscard]] BodyContacts& bodies() noexcept { return bodies_; }
   [[nodiscard]] const BodyContacts& bodies() const noexcept { return bodies_; }
+  [[nodiscard]] BodyPushes& pushes() noexcept { return pushes_; }
+  [[nodiscard]] const BodyPushes& pushes() const noexcept { return pushes_; }
 
   // ---- states ----
   // Sets positions and velocities of fixed, prescribed and sticking nodes: fixed ones stay as in `start` (m, an earlier
@@ -75,7 +78,8 @@ class ConstraintSet {
   void limit_changes(const Placement& end, const springnet_sweep& sweep) {
     contact_.limit_changes(end, sweep, rigid_.cluster_of());
   }
-  // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain.
+  // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain. Bodies that
+  // touch have pushed these before.
   void constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                  const Vector3* read = nullptr);
   // The same for nodes of a list, none of which has rigid connections. read: [component][i] velocity that the update of
@@ -130,6 +134,7 @@ class ConstraintSet {
   Contact contact_;
   RigidConnections rigid_;
   BodyContacts bodies_;
+  BodyPushes pushes_;  // of the step's sweeps
   Linearised linearised_;
 };
 

@@ -24,18 +24,24 @@ const OnObstacle* held_back(const PairRow& row, std::size_t i, const MovedNodes&
   return &found->second;
 }
 
+// At least the greatest mobility of a node in any direction, 1/kg.
+double norm_of(std::uint32_t node, const MovedNodes& nodes) {
+  return (*nodes.mobility)[node] > 0.0 ? (*nodes.blocks)[node].norm() : 0.0;
+}
+
 }  // namespace
 
 bool set_mobility(PairRow& row, const MovedNodes& nodes) {
   row.mobility = row.across = 0.0;
   for (int i = 0; i < row.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double own = row.weights[k] * row.weights[k] * (*nodes.mobility)[row.nodes[k]];
+    const double square = row.weights[k] * row.weights[k];
     const OnObstacle* const on = held_back(row, k, nodes);
     if (on != nullptr && on->sticks) continue;
-    const double into = on != nullptr ? row.normal.dot(on->normal) : 0.0;
-    row.mobility += own * (1.0 - into * into);
-    row.across += own;
+    Vector3 change = nodes.change(row.nodes[k], row.normal);
+    if (on != nullptr) change -= on->normal * on->normal.dot(change);
+    row.mobility += square * row.normal.dot(change);
+    row.across += square * (nodes.blocks == nullptr ? (*nodes.mobility)[row.nodes[k]] : norm_of(row.nodes[k], nodes));
   }
   // What is pressed onto obstacles from both sides cannot be moved along its normal.
   return row.mobility > 1e-12 * row.across;
@@ -45,9 +51,8 @@ void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes) 
   for (int i = 0; i < row.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const std::uint32_t node = row.nodes[k];
-    const double share = row.weights[k] * (*nodes.mobility)[node];
-    if (share == 0.0) continue;
-    Vector3 change = share * impulse;
+    if (row.weights[k] * (*nodes.mobility)[node] == 0.0) continue;
+    Vector3 change = nodes.change(node, row.weights[k] * impulse);
     if (const OnObstacle* const on = held_back(row, k, nodes); on != nullptr) {
       if (on->sticks) continue;
       change -= on->normal * on->normal.dot(change);

@@ -14,6 +14,7 @@
 #include <springnet/network.hpp>
 
 #include "constraints/body_contacts.hpp"
+#include "constraints/obstacle.hpp"
 
 namespace springnet {
 
@@ -48,9 +49,17 @@ struct OnObstacle {
 struct MovedNodes {
   springnet_vectors position, velocity;
   const std::vector<double>* mobility;  // [node] 1/kg; 0: it cannot move
+  // [node] 1/kg, of nodes that can move: of an update whose effective masses have directions. Null: `mobility`.
+  const std::vector<Matrix3>* blocks = nullptr;
   // [node] A pair pushes those that are on obstacles along them only, or not at all, unless it pushes them off. Null:
   // none is.
   const std::map<std::uint32_t, OnObstacle>* on_obstacles = nullptr;
+
+  // Its change of velocity, m/s, by an impulse, N s.
+  [[nodiscard]] Vector3 change(std::uint32_t node, const Vector3& impulse) const {
+    const double own = (*mobility)[node];
+    return blocks == nullptr || own == 0.0 ? Vector3(own * impulse) : Vector3((*blocks)[node] * impulse);
+  }
 };
 
 [[nodiscard]] Vector3 relative(const PairRow& row, const springnet_vectors& values);

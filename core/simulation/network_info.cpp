@@ -39,6 +39,9 @@ const springnet_network& NetworkInfo::now() {
   info_.cluster = model_.rigid.any() ? model_.rigid.cluster_of() : no_cluster_.data();
   info_.rigid_count = model_.rigid.rods().size();
   info_.status = contact.status().data();
+  const BodyPushes& pushes = model_.constraints.pushes();
+  info_.pushed = pushes.pushed().data();
+  info_.pushed_count = &pushes.count();
   return info_;
 }
 

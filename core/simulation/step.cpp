@@ -62,6 +62,7 @@ springnet_status Engine::begin(double from, double until, Loads::Change loads, b
   }
   model_.contact.begin_step(model_.placement_now());
   sweep_.forget();
+  sweep_.pairs().begin_step();
   if (status == SPRINGNET_OK) status = ledger_.begin_step();
   if (dissipation_) dissipation_->begin_step(model_);
   return status;
@@ -165,7 +166,8 @@ springnet_status Engine::commit_sweeps(const State& before) {
   const profile::Stage stage("impulses");
   sweep_.forget();
   if (sweep_.done().decided && model_.contact.land(model_.state.view.velocity)) model_.stale.forces = true;
-  return ledger_.commit(sweep_.done(), before);
+  const springnet_status status = ledger_.commit(sweep_.done(), before);
+  return status == SPRINGNET_OK ? sweep_.pairs().commit(before) : status;
 }
 
 springnet_status Engine::commit_solution(const State& before, bool jumps) {

@@ -30,6 +30,7 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   const layers::ExternalForces external = model_.external_at(sweep.time);  // before threads ask for them
   note_done(sweep);
+  pairs_.begin_sweep(sweep);
   struct Updating {
     bool &callback, &tiles;
     ~Updating() { callback = tiles = false; }
@@ -54,6 +55,7 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
       status = model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), message);
     }
   }
+  if (status == SPRINGNET_OK) pairs_.constrain(sweep);
   const bool left =
       status == SPRINGNET_OK && sweep.order == nullptr && model_.rigid.cluster_count() == 0 && tiles.outputs_finite;
   left_position_ = left ? sweep.next_position.x : nullptr;
@@ -75,13 +77,16 @@ springnet_status Sweep::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   note_done(sweep);
+  pairs_.begin_sweep(sweep);
   model_.constraints.remember_contacts(sweep);
+  if (sweep.contacts == SPRINGNET_AS_BEFORE || sweep.contacts == SPRINGNET_MAY_TOUCH) pairs_.take_out(sweep);
   model_.constraints.constrain(*at, 0, model_.node_count(), sweep);
   springnet_sweep of_clusters = sweep;
   if (of_clusters.contacts == SPRINGNET_MAY_TOUCH) of_clusters.contacts = 0;
   const springnet_status status =
       model_.constraints.constrain_clusters(*at, of_clusters, model_.evaluator.threads(), model_.journal.message);
   if (status == SPRINGNET_OK) model_.constraints.limit_changes(*at, sweep);
+  if (status == SPRINGNET_OK) pairs_.constrain(sweep);
   return status;
 }
 

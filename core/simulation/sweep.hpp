@@ -9,13 +9,14 @@
 #include "layers/elements/enclosure_volumes.hpp"
 #include "simulation/model.hpp"
 #include "simulation/requests.hpp"
+#include "simulation/sweep_pairs.hpp"
 #include "simulation/sweep_plans.hpp"
 
 namespace springnet {
 
 class Sweep {
  public:
-  explicit Sweep(Model& model) : model_(model) {}
+  explicit Sweep(Model& model) : model_(model), pairs_(model) {}
 
   // Evaluates the layers at a state, for all nodes or some.
   springnet_status evaluate(const springnet_evaluation& request);
@@ -37,6 +38,8 @@ class Sweep {
   [[nodiscard]] bool left_finite(const springnet_vectors& position, const springnet_vectors& velocity) const noexcept {
     return left_position_ != nullptr && left_position_ == position.x && left_velocity_ == velocity.x;
   }
+  // Of bodies that the sweeps keep apart.
+  [[nodiscard]] SweepPairs& pairs() noexcept { return pairs_; }
   void forget() noexcept {
     done_.any = false;
     left_position_ = left_velocity_ = nullptr;
@@ -73,6 +76,7 @@ class Sweep {
   bool check_finite(bool forces, std::uint32_t bad_neuron, double time, const layers::NodeArrays& nodes);
 
   Model& model_;
+  SweepPairs pairs_;
   Done done_;
   const double *left_position_ = nullptr, *left_velocity_ = nullptr;  // finite outputs of the last sweep
   bool in_sets_ = false;                                              // several threads update the nodes of a set,

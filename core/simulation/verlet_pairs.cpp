@@ -16,6 +16,7 @@
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
+#include "simulation/pair_ending.hpp"
 
 namespace springnet {
 namespace {
@@ -25,9 +26,6 @@ struct Diverged {
   std::string why;
 };
 
-// What iterations aim at, in units of that: most have it soon. After so many the tolerance is enough.
-constexpr double accuracy_share = 1e-5;
-constexpr int patience = 60, max_pair_iterations = 2000;
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
 constexpr int max_bounce_rounds = 50;  // rounds of impacts within a step after which they are inelastic
@@ -69,30 +67,14 @@ VerletPairs::VerletPairs(Model& model, double until, double length)
       from_(model.time),
       until_(until),
       h_(length),
-      tolerance_(std::max(gap_tolerance * model.constraints.bodies().least_thickness(), model.contact_tolerance())),
-      accuracy_(std::max(accuracy_share * tolerance_, 0.1 * model.contact_tolerance())),
-      mobility_(model.node_count()) {
-  for (std::uint32_t k = 0; k < model.node_count(); ++k)
-    mobility_[k] = model.contact.fixed()[k] != 0 ? 0.0 : 1.0 / model.mass[k];
-}
-
-PairRow VerletPairs::row_of(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at) const {
-  const BodyContacts& bodies = model_.constraints.bodies();
-  PairRow row;
-  row.kind = kind;
-  row.pair = pair;
-  row.nodes = bodies.primitives().nodes_of(kind, pair);
-  row.weights = at.weights;
-  row.count = proximity::first_nodes(kind) + proximity::second_nodes(kind);
-  row.normal = at.direction;
-  row.friction = coefficient_of(bodies.law_of(kind, pair).friction);
-  return row;
-}
+      tolerance_(PairTolerances(model).gap),
+      accuracy_(PairTolerances(model).accuracy),
+      mobility_(pair_mobility(model)) {}
 
 void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair,
                       const proximity::Separation& at, double share, bool is_new) {
   const BodyContacts& bodies = model_.constraints.bodies();
-  PairRow row = row_of(kind, pair, at);
+  PairRow row = row_of(bodies, kind, pair, at);
   row.lever = h_;
   known_.emplace(kind, pair);
   if (!set_mobility(row, moved(step))) return;
@@ -277,14 +259,15 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
       finish_impacts(step);
       if (!find(step)) return SPRINGNET_OK;
     }
-    if (solve(rows_, nodes, h_, {accuracy_, tolerance_, patience, max_pair_iterations}).residual > tolerance_)
+    if (solve(rows_, nodes, h_, {accuracy_, tolerance_, pair_patience, most_pair_iterations}).residual > tolerance_)
       return fail();
   }
   return fail();
 }
 
 MovedNodes VerletPairs::moved(const springnet_sweep& step) const {
-  return {step.next_position, step.next_velocity, &mobility_, on_obstacles_.empty() ? nullptr : &on_obstacles_};
+  return {step.next_position, step.next_velocity, &mobility_, nullptr,
+          on_obstacles_.empty() ? nullptr : &on_obstacles_};
 }
 
 // Those of the drift as it decided them, or as committed by the kick.
@@ -294,12 +277,8 @@ void VerletPairs::note_obstacles(const springnet_sweep& step, bool of_drift) {
   const std::shared_ptr<const Placement> at = model_.placement(until_);
   for (std::uint32_t k = 0; k < model_.node_count(); ++k) {
     const Touch touch = of_drift ? model_.contact.now(k) : model_.contact.committed(k);
-    if (touch.surface < 0 || mobility_[k] == 0.0) continue;
-    const Vector3 normal =
-        model_.contact.normal(*at, static_cast<std::size_t>(touch.surface), vector_at(step.next_position, k));
-    // Coulomb's friction gives way to a push; how far, the obstacle says.
-    const Friction& friction = model_.contact.obstacles()[static_cast<std::size_t>(touch.surface)].friction();
-    on_obstacles_[k] = {normal, touch.count() > 1 || (!touch.slides && friction.kind == Friction::Kind::held)};
+    if (OnObstacle on; is_on_obstacle(model_, *at, k, touch, vector_at(step.next_position, k), on))
+      on_obstacles_[k] = on;
   }
 }
 
@@ -399,24 +378,6 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
   return fail();
 }
 
-void VerletPairs::record(Event::Kind kind, const PairRow& row, const springnet_sweep& step, const Vector3& impulse) {
-  Event event{kind, until_, model_.user_number(row.nodes[0])};
-  event.impulse = impulse;
-  const auto firsts = static_cast<std::size_t>(proximity::first_nodes(row.kind));
-  for (int i = 0; i < row.count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    event.pair[k] = model_.user_number(row.nodes[k]);
-    if (k < firsts) {
-      event.position += row.weights[k] * vector_at(step.next_position, row.nodes[k]);
-      event.velocity += row.weights[k] * vector_at(step.start_velocity, row.nodes[k]);
-    }
-  }
-  event.pair_first = static_cast<std::uint8_t>(firsts);
-  event.pair_count = static_cast<std::uint8_t>(row.count);
-  event.normal = row.normal;
-  model_.journal.record(event);
-}
-
 springnet_status VerletPairs::kick(const springnet_sweep& step) {
   kicked_ = true;
   BodyContacts& bodies = model_.constraints.bodies();
@@ -426,63 +387,15 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
   }
   // Obstacles have done their part of the kick: nodes that they keep go on as they say.
   note_obstacles(step, false);
-  const MovedNodes nodes = moved(step);
-  struct Sum {
-    PairRow row;
-    Vector3 drift = Vector3::Zero(), kick = Vector3::Zero();  // N s
-    bool bounced = false, touched = false, stays = false;
-  };
-  std::map<std::pair<proximity::PairKind, proximity::Pair>, Sum> sums;
+  EndingPairs pairs;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    Sum& sum = sums[std::pair(rows_[r].kind, rows_[r].pair)];
-    sum.row = rows_[r];
-    sum.drift += rows_[r].impulse;
-    sum.bounced = contacts_[r].bounces;
+    EndingPair& pair = pairs[std::pair(rows_[r].kind, rows_[r].pair)];
+    pair.row = rows_[r];
+    pair.impulse += rows_[r].impulse;
+    pair.bounced = contacts_[r].bounces;
   }
-  for (const PairTouch& touch : bodies.touching())
-    if (const auto found = sums.find(touch.key()); found != sums.end()) found->second.touched = true;
-  // All that touch at P, also what a node has slid to within the step.
-  const proximity::Primitives& all = bodies.primitives();
-  const proximity::Positions end = positions_of(read_only(step.next_position), model_.node_count());
-  proximity::find_near(all, bodies.list().pairs(), end, 2.0 * tolerance_, near_, model_.evaluator.threads());
-  std::vector<PairRow> rows;
-  std::vector<Sum*> of_row;
-  for (const proximity::NearPair& each : near_) {
-    const auto known = sums.find(std::pair(each.kind, each.pair));
-    const bool pushed = known != sums.end() && known->second.row.normal.dot(known->second.drift) > 0.0;
-    // Beside the border of a face its direction is not that of the face, however small the gap.
-    if (!pushed && each.gap > 2.0 * accuracy_) continue;
-    PairRow row = row_of(each.kind, each.pair, each.separation);
-    if (!set_mobility(row, nodes)) continue;
-    Sum& sum = sums[std::pair(each.kind, each.pair)];
-    if (sum.bounced) continue;
-    row.by_rate = true;
-    // As in the drift, if it rests.
-    if (sum.touched) row.impulse = sum.drift;
-    apply(row, row.impulse, nodes);
-    rows.push_back(row);
-    of_row.push_back(&sum);
-  }
-  if (solve(rows, nodes, h_, {accuracy_, tolerance_, patience, max_pair_iterations}).residual > tolerance_)
-    return fail();
-  const double no_rate = std::max(0.1 * tolerance_ / h_, model_.no_speed());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    of_row[i]->row = rows[i];
-    of_row[i]->kick = rows[i].impulse;
-    of_row[i]->stays = rows[i].normal.dot(relative(rows[i], step.next_velocity)) <= no_rate;
-  }
-  std::vector<PairTouch> touching;
-  for (const auto& [key, sum] : sums) {
-    const Vector3 impulse = sum.drift + sum.kick;
-    const bool acts = sum.row.normal.dot(impulse) > 0.0;
-    if (!sum.touched && acts) record(Event::Kind::met, sum.row, step, impulse);
-    if (sum.stays && (sum.touched || acts))
-      touching.push_back({key.first, key.second, impulse / h_, 2.0 / h_ * sum.kick});
-    else if (sum.touched || acts)
-      record(Event::Kind::parted, sum.row, step, Vector3::Zero());
-  }
-  bodies.set_touching(std::move(touching));
-  return SPRINGNET_OK;
+  const PairEnding ending{until_, h_, moved(step), step.start_velocity, true};
+  return end_pairs(model_, ending, std::move(pairs)) == SPRINGNET_OK ? SPRINGNET_OK : fail();
 }
 
 }  // namespace springnet

@@ -49,7 +49,6 @@ class VerletPairs {
   // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
   // any.
   bool find(const springnet_sweep& step);
-  [[nodiscard]] PairRow row_of(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at) const;
   void add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at,
            double share, bool is_new);
   // Adds rows of pairs that met_ has: of each node the first.
@@ -63,7 +62,6 @@ class VerletPairs {
   // Impulses until no pair overlaps at the end of the step.
   springnet_status separate(const springnet_sweep& step);
   springnet_status fail() const;
-  void record(Event::Kind kind, const PairRow& row, const springnet_sweep& step, const Vector3& impulse);
 
   Model& model_;
   double from_, until_, h_;  // s

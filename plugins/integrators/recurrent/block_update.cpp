@@ -35,7 +35,7 @@ Block made_definite(const Block& symmetric) {
 
 void BlockMemory::attach(const springnet_network& network) {
   acceleration.resize(network.node_count);
-  const bool constrained = network.surface_count > 0 || network.rigid_count > 0;
+  const bool constrained = network.surface_count > 0 || network.rigid_count > 0 || network.body_contact_count > 0;
   inertia.assign(constrained ? 9 * std::size_t{network.node_count} : 0, 0.0);
 }
 
@@ -46,11 +46,12 @@ BlockUpdate::BlockUpdate(const sdk::Host& host, const Step& step, BlockMemory& m
       position_(step.outputs->position),
       velocity_(step.outputs->velocity),
       weight_(step.weight()),
-      constrained_(step.constrained()) {}
+      constrained_(step.constrained()),
+      writes_inertia_(step.may_be_constrained()) {}
 
 void BlockUpdate::request(springnet_sweep& call) const noexcept {
   call.want_blocks = 1;
-  if (constrained_) call.inertia = memory_.inertia.data();
+  if (writes_inertia_) call.inertia = memory_.inertia.data();
 }
 
 bool BlockUpdate::operator()(const springnet_node_batch& batch) const {
@@ -87,12 +88,12 @@ bool BlockUpdate::update(const springnet_node_batch& batch, std::uint32_t i) con
     return false;
   }
   // The effective mass of the step, for the response to impulses.
-  if (constrained_)
+  if (writes_inertia_)
     Eigen::Map<Block>(memory_.inertia.data() + 9 * std::size_t{k}) = step_.network.mass[k] * node.positive;
   const Block& matrix = node.definite && !constrained_ ? node.matrix : node.positive;
   const Vector direction = -(matrix.inverse() * node.residual);
   put(k, node.velocity + direction);
-  if (!constrained && step_.network.fixed[k] == 0 && !step_.is_linear)
+  if (!constrained && !step_.is_pushed(k) && step_.network.fixed[k] == 0 && !step_.is_linear)
     search(k, node.velocity, node.residual, direction);
   return at(position_, k).allFinite();
 }

@@ -67,7 +67,7 @@ class BlockUpdate {
   BlockMemory& memory_;
   springnet_vectors position_, velocity_;  // outputs
   double weight_;                          // s
-  bool constrained_;
+  bool constrained_, writes_inertia_;
 };
 
 }  // namespace springnet::recurrent

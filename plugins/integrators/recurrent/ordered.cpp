@@ -37,7 +37,7 @@ void WavefrontRule::with_update(Step& step, std::span<const std::uint32_t> order
   call.order_count = static_cast<std::uint32_t>(order.size());
   if (!block_) {
     call.lists = 1;
-    if (step.relaxation != 1.0 && step.constrained()) call.inertia = relaxed_inertia(step);
+    if (step.relaxation != 1.0 && step.may_be_constrained()) call.inertia = relaxed_inertia(step);
     go(call, NodeUpdate(step.weight(), step.free_position, step.free_velocity, outputs, step.relaxation));
     return;
   }

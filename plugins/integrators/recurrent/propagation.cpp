@@ -53,7 +53,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
   watch.begin(step);
   acceleration.begin(step, rule.relaxes(), rule.changes_order());
   // A step ends with outputs of a sweep, as the host left them, where they are in contact or on rigid connections.
-  const bool mixes_first = !step.constrained();
+  const auto mixes_first = [&step] { return !step.constrained(); };
   Monitor monitor(step.tolerance, limits.max_sweeps);
   ResidualCheck check;
   while (limits.exact_sweeps == 0 || step.sweeps < limits.exact_sweeps) {
@@ -76,7 +76,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
       workspace.record.begin();
     }
     if (watch.is_over()) step.waits = false;
-    if (mixes_first && !is_over) acceleration.mix(step);  // a step ends with outputs of a sweep at a deadline, too
+    if (mixes_first() && !is_over) acceleration.mix(step);  // a step ends with outputs of a sweep at a deadline, too
     Verdict verdict = acceleration.went_back() ? monitor.skip() : monitor.judge(step.differences.greatest);
     if (step.residual_decides && step.residual <= step.tolerance) return Verdict::settled;
     if (waited && verdict != Verdict::go_on) {
@@ -99,7 +99,7 @@ Verdict propagate(Rule& rule, Workspace& workspace, Step& step, const Limits& li
     }
     if (waited && !step.waits) monitor.forget();
     if (acceleration.contacts_changed()) monitor.expect_jump();
-    if (!mixes_first) acceleration.mix(step);
+    if (!mixes_first()) acceleration.mix(step);
   }
   return Verdict::go_on;
 }

@@ -63,8 +63,15 @@ struct Step {
     evaluation.internal = internal_step();
     return evaluation;
   }
-  // Whether anything but fixation can act on outputs after their update.
-  [[nodiscard]] bool constrained() const noexcept { return network.surface_count > 0 || network.rigid_count > 0; }
+  // Whether anything but fixation acts on outputs after their update, as far as the sweeps know; and whether anything
+  // may, in a sweep to come.
+  [[nodiscard]] bool constrained() const noexcept {
+    return network.surface_count > 0 || network.rigid_count > 0 || is_pushed();
+  }
+  [[nodiscard]] bool may_be_constrained() const noexcept { return constrained() || network.body_contact_count > 0; }
+  // By other bodies: any node, or one.
+  [[nodiscard]] bool is_pushed() const noexcept { return network.body_contact_count > 0 && *network.pushed_count > 0; }
+  [[nodiscard]] bool is_pushed(std::size_t node) const noexcept { return is_pushed() && network.pushed[node] != 0; }
 };
 
 }  // namespace springnet::recurrent

@@ -22,7 +22,7 @@ void copy(const springnet_const_vectors& from, const springnet_vectors& to, std:
 
 void Workspace::attach(const springnet_network& network) {
   record.resize(network);
-  if (network.surface_count > 0 || network.rigid_count > 0) {
+  if (network.surface_count > 0 || network.rigid_count > 0 || network.body_contact_count > 0) {
     free_acceleration_.resize(network.node_count);
     unconstrained_.resize(network.node_count);
     constraint_force_.resize(network.node_count);
@@ -95,7 +95,7 @@ springnet_sweep Workspace::sweep_call(const Step& step, const springnet_state& r
   call.force = write.force;
   call.contacts = step.decides && !step.waits ? 0 : 1;
   call.internal = step.internal_step(step.compares ? nullptr : write.internal);  // else complete() writes them
-  if (step.constrained()) call.constraint_force = constraint_force_.view();
+  if (step.may_be_constrained()) call.constraint_force = constraint_force_.view();
   return call;
 }
 

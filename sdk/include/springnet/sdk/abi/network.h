@@ -92,6 +92,9 @@ typedef struct springnet_network {
   /* 2.1: springs, elements and input signals that the network was made with, removed ones included: the lengths of
    * arrays by their numbers (springnet_parameter_set). */
   uint64_t spring_number_count, element_number_count, input_count;
+  /* 2.1: bodies in contact, for the outputs of the step's last sweep or constrain, as `status`. */
+  const uint8_t* pushed;        /* [node_count] 1: another body may push it; null without body_contact_count */
+  const uint32_t* pushed_count; /* [1] of these nodes */
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three

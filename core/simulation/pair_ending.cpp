@@ -1,0 +1,127 @@
+#include "simulation/pair_ending.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr double accuracy_share = 1e-5;  // of the tolerance of gaps: most have it soon
+
+void record_pair(Model& model, Event::Kind kind, const PairRow& row, const PairEnding& step, const Vector3& impulse) {
+  Event event{kind, step.until, model.user_number(row.nodes[0])};
+  event.impulse = impulse;
+  const auto firsts = static_cast<std::size_t>(proximity::first_nodes(row.kind));
+  for (int i = 0; i < row.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    event.pair[k] = model.user_number(row.nodes[k]);
+    if (k < firsts) {
+      event.position += row.weights[k] * vector_at(step.nodes.position, row.nodes[k]);
+      event.velocity += row.weights[k] * vector_at(step.start_velocity, row.nodes[k]);
+    }
+  }
+  event.pair_first = static_cast<std::uint8_t>(firsts);
+  event.pair_count = static_cast<std::uint8_t>(row.count);
+  event.normal = row.normal;
+  model.journal.record(event);
+}
+
+}  // namespace
+
+PairTolerances::PairTolerances(const Model& model)
+    : gap(std::max(gap_tolerance * model.constraints.bodies().least_thickness(), model.contact_tolerance())),
+      accuracy(std::max(accuracy_share * gap, 0.1 * model.contact_tolerance())) {}
+
+std::vector<double> pair_mobility(const Model& model) {
+  std::vector<double> result(model.node_count());
+  for (std::uint32_t k = 0; k < model.node_count(); ++k)
+    result[k] = model.contact.fixed()[k] != 0 ? 0.0 : 1.0 / model.mass[k];
+  return result;
+}
+
+PairRow row_of(const BodyContacts& bodies, proximity::PairKind kind, proximity::Pair pair,
+               const proximity::Separation& at) {
+  PairRow row;
+  row.kind = kind;
+  row.pair = pair;
+  row.nodes = bodies.primitives().nodes_of(kind, pair);
+  row.weights = at.weights;
+  row.count = proximity::first_nodes(kind) + proximity::second_nodes(kind);
+  row.normal = at.direction;
+  row.friction = coefficient_of(bodies.law_of(kind, pair).friction);
+  return row;
+}
+
+bool is_on_obstacle(const Model& model, const Placement& at, std::uint32_t node, const Touch& touch,
+                    const Vector3& position, OnObstacle& on) {
+  if (touch.surface < 0 || model.contact.fixed()[node] != 0) return false;
+  const auto surface = static_cast<std::size_t>(touch.surface);
+  // Coulomb's friction gives way to a push; how far, the obstacle says.
+  const Friction& friction = model.contact.obstacles()[surface].friction();
+  on = {model.contact.normal(at, surface, position),
+        touch.count() > 1 || (!touch.slides && friction.kind == Friction::Kind::held)};
+  return true;
+}
+
+springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pairs) {
+  BodyContacts& bodies = model.constraints.bodies();
+  const MovedNodes& nodes = step.nodes;
+  const PairTolerances tolerance(model);
+  for (const PairTouch& touch : bodies.touching())
+    if (const auto found = pairs.find(touch.key()); found != pairs.end()) found->second.touched = true;
+  // All that touch at the end, also what a node has slid to within the step.
+  const proximity::Primitives& all = bodies.primitives();
+  const proximity::Positions end = positions_of(read_only(nodes.position), model.node_count());
+  std::vector<proximity::NearPair> near;
+  proximity::find_near(all, bodies.list().pairs(), end, 2.0 * tolerance.gap, near, model.evaluator.threads());
+  std::vector<PairRow> rows;
+  std::vector<EndingPair*> of_row;
+  for (const proximity::NearPair& each : near) {
+    const auto known = pairs.find(std::pair(each.kind, each.pair));
+    const bool pushed = known != pairs.end() && known->second.row.normal.dot(known->second.impulse) > 0.0;
+    // Beside the border of a face its direction is not that of the face, however small the gap.
+    if (!pushed && each.gap > 2.0 * tolerance.accuracy) continue;
+    PairRow row = row_of(bodies, each.kind, each.pair, each.separation);
+    if (!set_mobility(row, nodes)) continue;
+    EndingPair& ending = pairs[std::pair(each.kind, each.pair)];
+    if (ending.bounced) continue;
+    row.by_rate = true;
+    row.value = -ending.rebound;
+    // As before, if it rests.
+    if (ending.touched && step.in_halves) row.impulse = ending.impulse;
+    apply(row, row.impulse, nodes);
+    rows.push_back(row);
+    of_row.push_back(&ending);
+  }
+  const PairAccuracy accuracy{tolerance.accuracy, tolerance.gap, pair_patience, most_pair_iterations};
+  if (solve(rows, nodes, step.length, accuracy).residual > tolerance.gap) return SPRINGNET_RECOVERABLE;
+  const double no_rate = std::max(0.1 * tolerance.gap / step.length, model.no_speed());
+  std::map<const EndingPair*, Vector3> last;  // N s, at the end
+  std::map<const EndingPair*, bool> stays;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    of_row[i]->row = rows[i];
+    last[of_row[i]] = rows[i].impulse;
+    stays[of_row[i]] = rows[i].normal.dot(relative(rows[i], nodes.velocity)) <= no_rate;
+  }
+  std::vector<PairTouch> touching;
+  for (const auto& [key, pair] : pairs) {
+    const auto found = last.find(&pair);
+    const Vector3 at_end = found == last.end() ? Vector3(Vector3::Zero()) : found->second;
+    const Vector3 impulse = pair.impulse + at_end;
+    const bool acts = pair.row.normal.dot(impulse) > 0.0;
+    if (!pair.touched && acts) record_pair(model, Event::Kind::met, pair.row, step, impulse);
+    if (stays[&pair] && (pair.touched || acts)) {
+      const Vector3 guess = step.in_halves ? Vector3(2.0 * at_end) : pair.impulse;
+      touching.push_back({key.first, key.second, impulse / step.length, guess / step.length});
+    } else if (pair.touched || acts) {
+      record_pair(model, Event::Kind::parted, pair.row, step, Vector3::Zero());
+    }
+  }
+  bodies.set_touching(std::move(touching));
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet

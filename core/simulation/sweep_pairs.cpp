@@ -1,0 +1,267 @@
+#include "simulation/sweep_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
+#include "constraints/vectors.hpp"
+#include "plugin_host/message.hpp"
+#include "profile/stage.hpp"
+#include "simulation/pair_ending.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr int most_rounds = 12;  // of a sweep: later ones go on
+// What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
+constexpr double failed_gap = 10.0;
+
+double weight_of(const springnet_sweep& sweep) {
+  return sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0);
+}
+
+}  // namespace
+
+void SweepPairs::begin_step() {
+  is_new_ = true;
+  rows_.clear();
+  contacts_.clear();
+  known_.clear();
+  mobility_.clear();
+  model_.constraints.pushes().clear();
+}
+
+void SweepPairs::begin_sweep(const springnet_sweep& sweep) {
+  if (!std::exchange(is_new_, false)) return;
+  const BodyContacts& bodies = model_.constraints.bodies();
+  if (bodies.touching().empty()) return;
+  const proximity::Positions x = positions_of(sweep.start_position, model_.node_count());
+  for (const PairTouch& touch : bodies.touching()) {
+    const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
+    add(touch.kind, touch.pair, at.direction);
+    // Begins with the force of the last step, so that what rests stays where it is.
+    PairRow& row = rows_.back();
+    row.weights = at.weights;
+    const double along = row.normal.dot(touch.guess);
+    row.impulse = sweep.time_constant * (touch.guess + (std::max(0.0, along) - along) * row.normal);
+  }
+  store_pushes();
+}
+
+void SweepPairs::add(proximity::PairKind kind, proximity::Pair pair, const Vector3& side) {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  if (mobility_.empty()) {
+    mobility_ = pair_mobility(model_);
+    added_.assign(model_.node_count(), Vector3::Zero());
+  }
+  PairRow row = row_of(bodies, kind, pair, {});
+  row.normal = side;
+  known_[{kind, pair}] = rows_.size();
+  for (int i = 0; i < row.count; ++i)
+    if (const std::uint32_t k = row.nodes[static_cast<std::size_t>(i)]; mobility_[k] > 0.0)
+      model_.constraints.pushes().add_node(k);
+  rows_.push_back(row);
+  contacts_.push_back({side, bodies.primitives().thickness(kind, pair), 0.0});
+}
+
+void SweepPairs::add(const springnet_sweep& sweep, proximity::PairKind kind, proximity::Pair pair,
+                     const Vector3& side) {
+  if (known_.contains({kind, pair})) return;
+  add(kind, pair, side);
+  const std::size_t r = rows_.size() - 1;
+  static_cast<void>(renew(r, sweep.next_position));
+  know_inertia(sweep, rows_[r]);
+  // Restitution, as of obstacles: not of approaches that are no faster than what forces change within a step.
+  const auto along = [&](const auto& velocity) {
+    Vector3 sum = Vector3::Zero();
+    for (int i = 0; i < rows_[r].count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      sum += rows_[r].weights[k] * vector_at(velocity, rows_[r].nodes[k]);
+    }
+    return side.dot(sum);
+  };
+  const double came = -along(sweep.start_velocity), gained = std::abs(along(sweep.next_velocity) + came);
+  if (came > gained) contacts_[r].rebound = model_.constraints.bodies().law_of(kind, pair).restitution * came;
+}
+
+double SweepPairs::renew(std::size_t r, const springnet_vectors& position) {
+  PairRow& row = rows_[r];
+  const proximity::Primitives& all = model_.constraints.bodies().primitives();
+  const proximity::Positions x = positions_of(read_only(position), model_.node_count());
+  const proximity::Separation at = on_side(separation(row.kind, all.corners(row.kind, row.pair, x)), contacts_[r].side);
+  row.normal = at.direction;
+  row.weights = at.weights;
+  return at.distance - contacts_[r].thickness;
+}
+
+bool SweepPairs::find(const springnet_sweep& sweep) {
+  const profile::Stage stage("proximity");
+  BodyContacts& bodies = model_.constraints.bodies();
+  const std::size_t n = model_.node_count(), before = rows_.size();
+  const proximity::Positions start = positions_of(sweep.start_position, n),
+                             end = positions_of(read_only(sweep.next_position), n);
+  try {
+    bodies.list().update(start, end);
+  } catch (const Error&) {
+    return false;  // outputs too far away for a list: the step does not settle there
+  }
+  const proximity::Primitives& all = bodies.primitives();
+  const unsigned threads = model_.evaluator.threads();
+  const auto at_start = [&](proximity::PairKind kind, proximity::Pair pair) {
+    return separation(kind, all.corners(kind, pair, start)).direction;
+  };
+  proximity::find_meetings(all, bodies.list().pairs(), start, end, met_, threads);
+  for (const proximity::MeetingPair& each : met_)
+    add(sweep, each.kind, each.pair,
+        each.meeting.from_start ? at_start(each.kind, each.pair) : each.meeting.at.direction);
+  proximity::find_near(all, bodies.list().pairs(), end, 0.0, near_, threads);
+  for (const proximity::NearPair& each : near_) add(sweep, each.kind, each.pair, at_start(each.kind, each.pair));
+  return rows_.size() > before;
+}
+
+void SweepPairs::know_inertia(const springnet_sweep& sweep, const PairRow& row) {
+  if (sweep.inertia == nullptr) return;
+  blocks_.resize(model_.node_count());
+  for (int i = 0; i < row.count; ++i) {
+    const std::uint32_t k = row.nodes[static_cast<std::size_t>(i)];
+    if (mobility_[k] > 0.0) blocks_[k] = Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{k}).inverse();
+  }
+}
+
+void SweepPairs::store_pushes() {
+  BodyPushes& pushes = model_.constraints.pushes();
+  for (const std::uint32_t k : pushes.nodes()) pushes.set(k, Vector3::Zero());
+  for (const PairRow& row : rows_)
+    for (int i = 0; i < row.count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (mobility_[row.nodes[k]] > 0.0)
+        pushes.set(row.nodes[k], pushes.impulse(row.nodes[k]) + row.weights[k] * row.impulse);
+    }
+}
+
+void SweepPairs::push(const springnet_sweep& sweep) {
+  BodyPushes& pushes = model_.constraints.pushes();
+  std::vector<Vector3> before;
+  for (const std::uint32_t k : pushes.nodes()) before.push_back(pushes.impulse(k));
+  store_pushes();
+  const MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_,
+                         sweep.inertia != nullptr ? &blocks_ : nullptr};
+  const double weight = weight_of(sweep);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const std::uint32_t k = pushes.nodes()[i];
+    const Vector3 change = nodes.change(k, pushes.impulse(k) - before[i]);
+    if (change.isZero(0.0)) continue;
+    put_vector(sweep.next_velocity, k, vector_at(sweep.next_velocity, k) + change);
+    put_vector(sweep.next_position, k, vector_at(sweep.next_position, k) + weight * change);
+  }
+}
+
+bool SweepPairs::is_finite(const springnet_sweep& sweep) const {
+  return std::all_of(rows_.begin(), rows_.end(), [&](const PairRow& row) {
+    return relative(row, sweep.next_position).allFinite() && relative(row, sweep.next_velocity).allFinite();
+  });
+}
+
+void SweepPairs::take_out(const springnet_sweep& sweep) {
+  if (sweep.constraint_force.x == nullptr || added_.empty()) return;
+  for (const std::uint32_t k : model_.constraints.pushes().nodes()) {
+    put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) - added_[k]);
+    added_[k].setZero();
+  }
+}
+
+void SweepPairs::constrain(const springnet_sweep& sweep) {
+  if (!model_.constraints.bodies().any()) return;
+  const double weight = weight_of(sweep);
+  length_ = sweep.time_constant;
+  if (!(weight > 0.0) || !is_finite(sweep)) return;
+  for (const PairRow& row : rows_) know_inertia(sweep, row);
+  const PairTolerances tolerance(model_);
+  std::map<std::uint32_t, OnObstacle> on_obstacles;
+  const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
+  const auto note_obstacles = [&] {
+    if (model_.contact.obstacles().empty()) return;
+    for (const std::uint32_t k : model_.constraints.pushes().nodes())
+      if (OnObstacle on; !on_obstacles.contains(k) && is_on_obstacle(model_, *at, k, model_.contact.now(k),
+                                                                     vector_at(sweep.next_position, k), on))
+        on_obstacles[k] = on;
+  };
+  MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_,
+                   sweep.inertia != nullptr ? &blocks_ : nullptr};
+  for (int round = 0; round < most_rounds; ++round) {
+    note_obstacles();
+    nodes.on_obstacles = on_obstacles.empty() ? nullptr : &on_obstacles;
+    bool done = true;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      PairRow& row = rows_[r];
+      const double gap = renew(r, sweep.next_position);
+      row.lever = weight;
+      row.value = gap - row.normal.dot(relative(row, sweep.next_position));
+      row.is_blocked = !set_mobility(row, nodes);
+      const bool pushes = row.normal.dot(row.impulse) > 0.0;
+      done = done && (row.is_blocked || (pushes ? std::abs(gap) <= tolerance.gap : gap >= -tolerance.gap));
+    }
+    // Friction has no say in gaps: it needs an iteration of its own.
+    if (done && (round > 0 || rows_.empty()) && !find(sweep)) break;
+    push(sweep);
+    solve(rows_, nodes, weight, {tolerance.accuracy, tolerance.gap, pair_patience, most_pair_iterations});
+    store_pushes();
+  }
+  if (sweep.constraint_force.x == nullptr) return;
+  const BodyPushes& pushes = model_.constraints.pushes();
+  for (const std::uint32_t k : pushes.nodes()) {
+    added_[k] = pushes.impulse(k) / weight;
+    put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) + added_[k]);
+  }
+}
+
+springnet_status SweepPairs::commit(const State& before) {
+  BodyContacts& bodies = model_.constraints.bodies();
+  if (rows_.empty() && bodies.touching().empty()) return SPRINGNET_OK;
+  const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
+  const PairTolerances tolerance(model_);
+  double worst = 0.0;
+  std::size_t deepest = 0;
+  EndingPairs pairs;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    EndingPair& pair = pairs[{rows_[r].kind, rows_[r].pair}];
+    pair.row = rows_[r];
+    pair.impulse = rows_[r].impulse;
+    const double pressing = rows_[r].normal.dot(rows_[r].impulse);
+    if (pressing > 0.0) pair.rebound = contacts_[r].rebound;
+    if (const double gap = renew(r, position); gap < worst) {
+      worst = gap;
+      deepest = r;
+    }
+  }
+  if (mobility_.empty()) mobility_ = pair_mobility(model_);
+  std::map<std::uint32_t, OnObstacle> on_obstacles;
+  const std::shared_ptr<const Placement> at = model_.placement(model_.time);
+  for (std::uint32_t k = 0; !model_.contact.obstacles().empty() && k < model_.node_count(); ++k)
+    if (OnObstacle on;
+        is_on_obstacle(model_, *at, k, model_.contact.committed(k), vector_at(position, k), on))
+      on_obstacles[k] = on;
+  const MovedNodes nodes{position, velocity, &mobility_, nullptr, on_obstacles.empty() ? nullptr : &on_obstacles};
+  const PairEnding ending{model_.time, length_, nodes, read_only(before.view.velocity), false};
+  const bool failed = worst < -failed_gap * tolerance.gap && !rows_[deepest].is_blocked;
+  if (failed || end_pairs(model_, ending, std::move(pairs)) != SPRINGNET_OK) {
+    set_message(model_.journal.message,
+                fmt::format("the contacts of bodies, {} pairs, do not converge in a step of {:g} s{}; use a smaller "
+                            "time step",
+                            rows_.size(), length_,
+                            failed ? fmt::format(" ({} overlap by {:g} m)",
+                                                 bodies.describe(rows_[deepest].kind, rows_[deepest].pair), -worst)
+                                   : std::string()));
+    return SPRINGNET_RECOVERABLE;
+  }
+  model_.stale.forces = true;
+  ++model_.load_revision;
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet

@@ -1,0 +1,68 @@
+// Contact of bodies in the sweeps of the recurrent network, inside the fixed point of a step:
+//
+//   U = U_free + W sum w J,   P = p* + theta h U,   gaps(P) >= 0,   J >= 0 only where the gap is 0,
+//
+// with W the inverse of the inertia of the update rule, and of each pair the weights w of its nodes and the direction at
+// P. The impulses J are kept from sweep to sweep: nodes have them when others read their outputs, and the end of a sweep
+// changes them by what its outputs still overlap. So the fixed point does not depend on W, and every rule has the same.
+// Friction lies in Coulomb's cone and ends the slip of U. At the commit pairs that touch approach no more (PairEnding):
+// within the step a node that arrives has the velocity that takes it there.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "constraints/pair_rows.hpp"
+#include "simulation/model.hpp"
+
+namespace springnet {
+
+class SweepPairs {
+ public:
+  explicit SweepPairs(Model& model) : model_(model) {}
+
+  void begin_step();
+  // Before a sweep: the first one of a step begins with the pairs that touch at its start.
+  void begin_sweep(const springnet_sweep& sweep);
+  // Before a sweep that may leave constraint forces as the one before left them: takes out those of bodies.
+  void take_out(const springnet_sweep& sweep);
+  // Keeps bodies apart in the outputs of a sweep, which all other constraints have been applied to.
+  void constrain(const springnet_sweep& sweep);
+  // At the committed outputs of the last sweep. before: the state at the start of the step.
+  springnet_status commit(const State& before);
+
+ private:
+  using Key = std::pair<proximity::PairKind, proximity::Pair>;
+  struct Contact {
+    Vector3 side;       // direction of the pair while it has not gone through
+    double thickness;   // m
+    double rebound;     // m/s
+  };
+  void add(proximity::PairKind kind, proximity::Pair pair, const Vector3& side);
+  void add(const springnet_sweep& sweep, proximity::PairKind kind, proximity::Pair pair, const Vector3& side);
+  // Adds rows of pairs that overlap in the outputs, or meet on the way there. Returns whether there were any.
+  bool find(const springnet_sweep& sweep);
+  // The gap of a row, m, which takes directions and weights from these positions.
+  [[nodiscard]] double renew(std::size_t row, const springnet_vectors& position);
+  void know_inertia(const springnet_sweep& sweep, const PairRow& row);
+  // Gives nodes the impulses that the rows have now.
+  void push(const springnet_sweep& sweep);
+  void store_pushes();
+  [[nodiscard]] bool is_finite(const springnet_sweep& sweep) const;
+
+  Model& model_;
+  std::vector<PairRow> rows_;
+  std::vector<Contact> contacts_;  // [row]
+  std::map<Key, std::size_t> known_;
+  std::vector<double> mobility_;   // [node] 1/kg; empty before the first pair
+  std::vector<Matrix3> blocks_;    // likewise, of rules whose effective masses have directions
+  std::vector<Vector3> added_;     // [node] N, to constraint forces
+  std::vector<proximity::NearPair> near_;
+  std::vector<proximity::MeetingPair> met_;
+  double length_ = 0.0;    // s, of the last sweep's step
+  bool is_new_ = true;     // the step: no sweep has begun
+};
+
+}  // namespace springnet
