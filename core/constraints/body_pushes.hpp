@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -12,6 +13,7 @@
 
 #include "constraints/obstacle.hpp"
 #include "constraints/vectors.hpp"
+#include "layers/linear/constraint_row.hpp"
 
 namespace springnet {
 
@@ -22,6 +24,10 @@ class BodyPushes {
   // For springnet_network, whose addresses must not change.
   [[nodiscard]] const std::vector<std::uint8_t>& pushed() const noexcept { return pushed_; }
   [[nodiscard]] const std::uint32_t& count() const noexcept { return count_; }
+
+  // For linear systems: pairs that press, and stick, as they were at the end of the last sweep.
+  [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
+  void set_rows(std::vector<ConstraintRow> rows) { rows_ = std::move(rows); }
 
   // With room for so many nodes, and no pushes.
   void resize(std::size_t node_count) {
@@ -36,16 +42,21 @@ class BodyPushes {
       pushed_[k] = 0;
     }
     nodes_.clear();
+    rows_.clear();
     count_ = 0;
   }
   // Nodes of pairs stay among those pushed, without an impulse, too.
   void add_node(std::uint32_t node) {
     if (pushed_[node] != 0) return;
-    pushed_[node] = 1;
+    pushed_[node] = SPRINGNET_NEAR;
     nodes_.push_back(node);
     ++count_;
   }
-  void set(std::uint32_t node, const Vector3& impulse) { impulse_[node] = impulse; }
+  // how: SPRINGNET_NEAR …
+  void set(std::uint32_t node, const Vector3& impulse, std::uint8_t how) {
+    impulse_[node] = impulse;
+    pushed_[node] = how;
+  }
 
   // Changes a node's outputs by its impulse.
   void apply(std::uint32_t node, const springnet_sweep& sweep, double mass) const {
@@ -62,6 +73,7 @@ class BodyPushes {
   std::vector<Vector3> impulse_;        // N s, [node]
   std::vector<std::uint8_t> pushed_;    // [node]
   std::vector<std::uint32_t> nodes_;
+  std::vector<ConstraintRow> rows_;
   std::uint32_t count_ = 0;
 };
 

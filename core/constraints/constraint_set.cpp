@@ -171,6 +171,7 @@ void ConstraintSet::linearise(const Placement& at, const springnet_const_vectors
                                     contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)),
                                     surface});
   }
+  linearised_.rows.insert(linearised_.rows.end(), pushes_.rows().begin(), pushes_.rows().end());
 }
 
 Matrix3 ConstraintSet::rod_geometric_stiffness(std::size_t rod, const springnet_const_vectors& position,

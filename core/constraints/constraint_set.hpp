@@ -93,7 +93,8 @@ class ConstraintSet {
                                       springnet_message& message) const;
 
   // ---- small changes of a state ----
-  // Stores the constraint rows at these positions: rods first, then the surfaces on which nodes slide.
+  // Stores the constraint rows at these positions: rods first, then the surfaces on which nodes slide,
+  // then pairs of bodies that press on each other, as they are.
   void linearise(const Placement& at, const springnet_const_vectors& position);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return linearised_.rows; }
   // What linearise() stored, so that it can be set aside and put back.

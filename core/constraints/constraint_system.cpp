@@ -36,15 +36,17 @@ ConstraintSystem& ConstraintSystem::operator=(ConstraintSystem&&) noexcept = def
 
 void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobility) {
   rows_ = std::move(rows);
-  mobilities_.resize(2 * rows_.size());
+  const bool any_pairs = std::any_of(rows_.begin(), rows_.end(), [](const ConstraintRow& row) { return row.is_pair; });
+  ends_ = any_pairs ? ConstraintRow::most_ends : 2;
+  mobilities_.resize(ends_ * rows_.size());
   double trace = 0.0;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Vector3& direction = rows_[r].direction;
-    mobilities_[2 * r] = mobility(rows_[r].first);
-    trace += direction.dot(mobilities_[2 * r] * direction);
-    if (rows_[r].second == ConstraintRow::no_node) continue;
-    mobilities_[2 * r + 1] = mobility(rows_[r].second);
-    trace += direction.dot(mobilities_[2 * r + 1] * direction);
+    rows_[r].for_each_end([&](std::size_t i, std::uint32_t node, double weight) {
+      Eigen::Matrix3d& own = mobilities_[ends_ * r + i];
+      own = mobility(node);
+      trace += weight * weight * direction.dot(own * direction);
+    });
   }
   if (rows_.empty()) return;
   shift_ = trace > 0.0 ? shift_share * trace / static_cast<double>(rows_.size()) : 1.0;
@@ -58,18 +60,18 @@ void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobi
 // Assembles G W G^T over rows.
 void ConstraintSystem::set_rows() {
   const std::size_t count = rows_.size();
-  // The ends of all rows, sorted by node; the second end has sign -1.
+  // The ends of all rows, sorted by node.
   struct End {
     std::uint32_t node;
-    std::uint32_t row;
-    double sign;
+    std::uint32_t row, place;
+    double weight;
   };
   std::vector<End> ends;
-  ends.reserve(2 * count);
-  for (std::uint32_t r = 0; r < count; ++r) {
-    ends.push_back({rows_[r].first, r, 1.0});
-    if (rows_[r].second != ConstraintRow::no_node) ends.push_back({rows_[r].second, r, -1.0});
-  }
+  ends.reserve(ends_ * count);
+  for (std::uint32_t r = 0; r < count; ++r)
+    rows_[r].for_each_end([&](std::size_t i, std::uint32_t node, double weight) {
+      ends.push_back({node, r, static_cast<std::uint32_t>(i), weight});
+    });
   std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.node < b.node; });
 
   const auto size = static_cast<Eigen::Index>(count);
@@ -78,11 +80,11 @@ void ConstraintSystem::set_rows() {
   for (std::size_t begin = 0; begin < ends.size();) {
     std::size_t end = begin;
     while (end < ends.size() && ends[end].node == ends[begin].node) ++end;
-    const Eigen::Matrix3d& w = mobilities_[2 * ends[begin].row + (ends[begin].sign < 0.0 ? 1 : 0)];
+    const Eigen::Matrix3d& w = mobility(ends[begin].row, ends[begin].place);
     for (std::size_t i = begin; i < end; ++i) {
-      const Vector3 moved = w * rows_[ends[i].row].direction * ends[i].sign;
+      const Vector3 moved = w * rows_[ends[i].row].direction * ends[i].weight;
       for (std::size_t j = begin; j < end; ++j) {
-        const double value = ends[j].sign * rows_[ends[j].row].direction.dot(moved);
+        const double value = ends[j].weight * rows_[ends[j].row].direction.dot(moved);
         const auto row = static_cast<Eigen::Index>(ends[j].row), column = static_cast<Eigen::Index>(ends[i].row);
         if (form_ == Form::dense)
           matrices_->dense(row, column) += value;
@@ -122,24 +124,23 @@ bool ConstraintSystem::set_nodes() {
     place->second.second = solver.operatorSqrt();
     return true;
   };
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    if (!add(rows_[r].first, mobilities_[2 * r])) return false;
-    if (rows_[r].second != ConstraintRow::no_node && !add(rows_[r].second, mobilities_[2 * r + 1])) return false;
-  }
+  bool all = true;
+  for (std::size_t r = 0; r < rows_.size() && all; ++r)
+    rows_[r].for_each_end(
+        [&](std::size_t i, std::uint32_t node, double) { all = all && add(node, this->mobility(r, i)); });
+  if (!all) return false;
   if (columns == 0 || static_cast<std::size_t>(columns) > rows_.size()) return false;
 
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(6 * rows_.size());
+  entries.reserve(3 * ends_ * rows_.size());
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const auto add_end = [&](std::uint32_t node, double sign) {
+    rows_[r].for_each_end([&](std::size_t, std::uint32_t node, double weight) {
       const auto found = nodes.find(node);
       if (found == nodes.end()) return;
       const auto& [column, root] = found->second;
-      const Vector3 row = sign * (root * rows_[r].direction);
+      const Vector3 row = weight * (root * rows_[r].direction);
       for (int c = 0; c < 3; ++c) entries.emplace_back(static_cast<int>(r), column + c, row[c]);
-    };
-    add_end(rows_[r].first, 1.0);
-    if (rows_[r].second != ConstraintRow::no_node) add_end(rows_[r].second, -1.0);
+    });
   }
   matrices_->sparse.resize(static_cast<Eigen::Index>(rows_.size()), columns);
   matrices_->sparse.setFromTriplets(entries.begin(), entries.end());

@@ -1,5 +1,5 @@
-// Linear systems with the constraint matrix G W G^T. A row of G is a direction at one node, or opposite directions at
-// the two ends of a rigid connection; W are the nodes' mobilities.
+// Linear systems with the constraint matrix G W G^T. A row of G is a direction at one node, opposite directions at the
+// two ends of a rigid connection, or the weighted ones of a pair's nodes; W are the nodes' mobilities.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,10 @@ class ConstraintSystem {
     Eigen::VectorXd result(static_cast<Eigen::Index>(rows_.size()));
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const ConstraintRow& row = rows_[r];
-      const Vector3 other = row.second != ConstraintRow::no_node ? Vector3(of(row.second)) : Vector3(ground(row));
-      result[static_cast<Eigen::Index>(r)] = row.direction.dot(of(row.first) - other);
+      Vector3 sum = Vector3::Zero();
+      row.for_each_end([&](std::size_t, std::uint32_t node, double weight) { sum += weight * Vector3(of(node)); });
+      if (row.second == ConstraintRow::no_node) sum -= Vector3(ground(row));
+      result[static_cast<Eigen::Index>(r)] = row.direction.dot(sum);
     }
     return result;
   }
@@ -48,23 +50,23 @@ class ConstraintSystem {
   [[nodiscard]] Eigen::VectorXd rates(const Of& of) const {
     return rates(of, [](const ConstraintRow&) -> Vector3 { return Vector3::Zero(); });
   }
-  // G^T x: the impulses (N s) of multipliers; calls `add(node, impulse)` for both ends of every row.
+  // G^T x: the impulses (N s) of multipliers; calls `add(node, impulse)` for all ends of every row.
   template <class Add>
   void for_each_impulse(const Eigen::VectorXd& multipliers, Add&& add) const {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const Vector3 impulse = multipliers[static_cast<Eigen::Index>(r)] * rows_[r].direction;
-      add(rows_[r].first, impulse);
-      if (rows_[r].second != ConstraintRow::no_node) add(rows_[r].second, Vector3(-impulse));
+      rows_[r].for_each_end(
+          [&](std::size_t, std::uint32_t node, double weight) { add(node, Vector3(weight * impulse)); });
     }
   }
-  // W G^T x: the velocity changes (m/s) of multipliers (N s); calls `add(node, change)` for both ends of every row.
+  // W G^T x: the velocity changes (m/s) of multipliers (N s); calls `add(node, change)` for all ends of every row.
   template <class Add>
   void for_each_change(const Eigen::VectorXd& multipliers, Add&& add) const {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const double x = multipliers[static_cast<Eigen::Index>(r)];
-      add(rows_[r].first, Vector3(mobilities_[2 * r] * rows_[r].direction * x));
-      if (rows_[r].second != ConstraintRow::no_node)
-        add(rows_[r].second, Vector3(mobilities_[2 * r + 1] * rows_[r].direction * -x));
+      rows_[r].for_each_end([&](std::size_t i, std::uint32_t node, double weight) {
+        add(node, Vector3(mobility(r, i) * rows_[r].direction * (x * weight)));
+      });
     }
   }
   // Effective mobility of some nodes, 1/kg: W - W G^T (G W G^T)^-1 G W, three rows and columns a node.
@@ -78,8 +80,13 @@ class ConstraintSystem {
   [[nodiscard]] Eigen::VectorXd solve_shifted(const Eigen::VectorXd& b) const;
   [[nodiscard]] Eigen::VectorXd solve_by_conjugate_gradients(const Eigen::VectorXd& b) const;
 
+  [[nodiscard]] const Eigen::Matrix3d& mobility(std::size_t row, std::size_t end) const {
+    return mobilities_[ends_ * row + end];
+  }
+
   std::vector<ConstraintRow> rows_;
-  std::vector<Eigen::Matrix3d> mobilities_;  // [row][2]
+  std::size_t ends_ = 2;                     // of a row, at most
+  std::vector<Eigen::Matrix3d> mobilities_;  // [row][ends_]
   Form form_ = Form::dense;
   double shift_ = 0.0;
   struct Matrices;  // and their factors: Eigen's templates for them are compiled in one file only

@@ -187,6 +187,10 @@ void ConstrainedResponse::find_rates(const ReactionsAt& reactions) {
   std::uint32_t last = ConstraintRow::no_node;
   for (const ConstraintRow& row : rows_) {
     const std::uint32_t k = row.first, o = row.second;
+    if (row.is_pair) {
+      rates_.push_back({Vector3::Zero(), Vector3::Zero()});  // directions of pairs count as constant
+      continue;
+    }
     if (row.surface < 0) {
       rates_.push_back(length_acceleration_gradient(reactions.position(k) - reactions.position(o),
                                                     reactions.velocity(k) - reactions.velocity(o),
@@ -314,8 +318,9 @@ void ConstrainedResponse::add_rates(const double* dp, const double* dv, double* 
   if (rows_.empty()) return;
   factorise();
   const auto between = [&](const double* values, const ConstraintRow& row) {
-    Vector3 result = vector_of(values, n, row.first);
-    if (row.second != ConstraintRow::no_node) result -= vector_of(values, n, row.second);
+    Vector3 result = Vector3::Zero();
+    row.for_each_end(
+        [&](std::size_t, std::uint32_t node, double weight) { result += weight * vector_of(values, n, node); });
     return result;
   };
   Eigen::VectorXd rates(static_cast<Eigen::Index>(rows_.size()));
@@ -336,11 +341,10 @@ void ConstrainedResponse::add_rates_transposed(const double* weights, double* by
   const Eigen::VectorXd z = solve_transposed(weights);
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const double weight = -z[static_cast<Eigen::Index>(r)];
-    add(by_position, n, rows_[r].first, weight * rates_[r].by_position);
-    add(by_velocity, n, rows_[r].first, weight * rates_[r].by_velocity);
-    if (rows_[r].second == ConstraintRow::no_node) continue;
-    add(by_position, n, rows_[r].second, -weight * rates_[r].by_position);
-    add(by_velocity, n, rows_[r].second, -weight * rates_[r].by_velocity);
+    rows_[r].for_each_end([&](std::size_t, std::uint32_t node, double of_node) {
+      add(by_position, n, node, weight * of_node * rates_[r].by_position);
+      add(by_velocity, n, node, weight * of_node * rates_[r].by_velocity);
+    });
   }
 }
 

@@ -85,7 +85,7 @@ class ConstrainedResponse {
   std::vector<Vector3> added_;  // [node]
   std::vector<Lone> lone_;
   std::vector<OwnForce> own_forces_;
-  std::vector<ConstraintRow> rows_;          // of clusters
+  std::vector<ConstraintRow> rows_;          // of clusters, and of pairs of bodies
   std::vector<AccelerationGradient> rates_;  // of these: r_p and r_v of the first node, minus those of the second
   std::vector<FrictionColumn> friction_;
   bool factorised_ = false;  // what follows; not before it is needed

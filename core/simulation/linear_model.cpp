@@ -270,7 +270,9 @@ bool LinearModel::may_be_matrix_free(const springnet_evaluation& at, const layer
   matrix_free_response_.forget();
   const RowsAside aside(model_.constraints);
   model_.constraints.linearise(*model_.placement(at.time), at.position);
-  if (model_.constraints.rows().empty()) return true;
+  const std::vector<ConstraintRow>& rows = model_.constraints.rows();
+  if (rows.empty()) return true;
+  if (std::any_of(rows.begin(), rows.end(), [](const ConstraintRow& row) { return row.is_pair; })) return false;
   ReactionsAt reactions(model_, at.time, at.position, at.velocity, quiet(model_.internal_for(at.internal)));
   std::vector<std::pair<std::uint32_t, Matrix3>> slips;
   if (find_response(at, weights.velocity, reactions, matrix_free_response_,

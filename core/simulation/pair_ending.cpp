@@ -90,8 +90,10 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
     if (ending.bounced) continue;
     row.by_rate = true;
     row.value = -ending.rebound;
-    // As before, if it rests.
+    // As before, if it rests. Else what it gave within the step may be taken back: where that moves nodes for a part of
+    // the step only, it takes more of it to keep them apart than to stop them.
     if (ending.touched && step.in_halves) row.impulse = ending.impulse;
+    if (!step.in_halves) row.least = -std::max(0.0, row.normal.dot(ending.impulse));
     apply(row, row.impulse, nodes);
     rows.push_back(row);
     of_row.push_back(&ending);

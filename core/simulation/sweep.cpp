@@ -30,7 +30,6 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   const layers::ExternalForces external = model_.external_at(sweep.time);  // before threads ask for them
   note_done(sweep);
-  pairs_.begin_sweep(sweep);
   struct Updating {
     bool &callback, &tiles;
     ~Updating() { callback = tiles = false; }
@@ -77,7 +76,6 @@ springnet_status Sweep::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   note_done(sweep);
-  pairs_.begin_sweep(sweep);
   model_.constraints.remember_contacts(sweep);
   if (sweep.contacts == SPRINGNET_AS_BEFORE || sweep.contacts == SPRINGNET_MAY_TOUCH) pairs_.take_out(sweep);
   model_.constraints.constrain(*at, 0, model_.node_count(), sweep);

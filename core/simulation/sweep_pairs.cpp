@@ -1,6 +1,7 @@
 #include "simulation/sweep_pairs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -21,6 +22,15 @@ constexpr int most_rounds = 12;  // of a sweep: later ones go on
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
 constexpr double failed_gap = 10.0;
 
+// Friction at less than this share of its limit does not slip.
+constexpr double inside_cone = 1.0 - 1e-9;
+
+bool presses(const PairRow& row) { return row.normal.dot(row.impulse) > 0.0; }
+bool sticks(const PairRow& row) {
+  const double along = row.normal.dot(row.impulse);
+  return row.friction > 0.0 && (row.impulse - along * row.normal).norm() < inside_cone * row.friction * along;
+}
+
 double weight_of(const springnet_sweep& sweep) {
   return sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0);
 }
@@ -28,19 +38,14 @@ double weight_of(const springnet_sweep& sweep) {
 }  // namespace
 
 void SweepPairs::begin_step() {
-  is_new_ = true;
   rows_.clear();
   contacts_.clear();
   known_.clear();
   mobility_.clear();
   model_.constraints.pushes().clear();
-}
-
-void SweepPairs::begin_sweep(const springnet_sweep& sweep) {
-  if (!std::exchange(is_new_, false)) return;
   const BodyContacts& bodies = model_.constraints.bodies();
   if (bodies.touching().empty()) return;
-  const proximity::Positions x = positions_of(sweep.start_position, model_.node_count());
+  const proximity::Positions x = positions_of(read_only(model_.state.view.position), model_.node_count());
   for (const PairTouch& touch : bodies.touching()) {
     const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
     add(touch.kind, touch.pair, at.direction);
@@ -48,9 +53,10 @@ void SweepPairs::begin_sweep(const springnet_sweep& sweep) {
     PairRow& row = rows_.back();
     row.weights = at.weights;
     const double along = row.normal.dot(touch.guess);
-    row.impulse = sweep.time_constant * (touch.guess + (std::max(0.0, along) - along) * row.normal);
+    row.impulse = model_.step_length * (touch.guess + (std::max(0.0, along) - along) * row.normal);
   }
   store_pushes();
+  store_rows();
 }
 
 void SweepPairs::add(proximity::PairKind kind, proximity::Pair pair, const Vector3& side) {
@@ -135,13 +141,35 @@ void SweepPairs::know_inertia(const springnet_sweep& sweep, const PairRow& row) 
 
 void SweepPairs::store_pushes() {
   BodyPushes& pushes = model_.constraints.pushes();
-  for (const std::uint32_t k : pushes.nodes()) pushes.set(k, Vector3::Zero());
-  for (const PairRow& row : rows_)
+  for (const std::uint32_t k : pushes.nodes()) pushes.set(k, Vector3::Zero(), SPRINGNET_NEAR);
+  for (const PairRow& row : rows_) {
+    const std::uint8_t how = !presses(row) ? SPRINGNET_NEAR : sticks(row) ? SPRINGNET_STUCK : SPRINGNET_PUSHED;
     for (int i = 0; i < row.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      if (mobility_[row.nodes[k]] > 0.0)
-        pushes.set(row.nodes[k], pushes.impulse(row.nodes[k]) + row.weights[k] * row.impulse);
+      const std::uint32_t node = row.nodes[k];
+      if (mobility_[node] > 0.0)
+        pushes.set(node, pushes.impulse(node) + row.weights[k] * row.impulse, std::max(how, pushes.pushed()[node]));
     }
+  }
+}
+
+void SweepPairs::store_rows() {
+  std::vector<ConstraintRow> rows;
+  for (const PairRow& row : rows_) {
+    if (!presses(row) || row.is_blocked) continue;
+    std::array<std::uint32_t, 4> nodes{ConstraintRow::no_node, ConstraintRow::no_node, ConstraintRow::no_node,
+                                       ConstraintRow::no_node};
+    std::copy_n(row.nodes.begin(), row.count, nodes.begin());
+    const auto add_row = [&](const Vector3& direction) {
+      rows.push_back({nodes[0], nodes[1], direction, -1, nodes[2], nodes[3], row.weights, true});
+    };
+    add_row(row.normal);
+    if (!sticks(row)) continue;
+    const Vector3 across = row.normal.unitOrthogonal();
+    add_row(across);
+    add_row(row.normal.cross(across));
+  }
+  model_.constraints.pushes().set_rows(std::move(rows));
 }
 
 void SweepPairs::push(const springnet_sweep& sweep) {
@@ -203,8 +231,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep) {
       row.lever = weight;
       row.value = gap - row.normal.dot(relative(row, sweep.next_position));
       row.is_blocked = !set_mobility(row, nodes);
-      const bool pushes = row.normal.dot(row.impulse) > 0.0;
-      done = done && (row.is_blocked || (pushes ? std::abs(gap) <= tolerance.gap : gap >= -tolerance.gap));
+      done = done && (row.is_blocked || (presses(row) ? std::abs(gap) <= tolerance.gap : gap >= -tolerance.gap));
     }
     // Friction has no say in gaps: it needs an iteration of its own.
     if (done && (round > 0 || rows_.empty()) && !find(sweep)) break;
@@ -212,6 +239,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep) {
     solve(rows_, nodes, weight, {tolerance.accuracy, tolerance.gap, pair_patience, most_pair_iterations});
     store_pushes();
   }
+  store_rows();
   if (sweep.constraint_force.x == nullptr) return;
   const BodyPushes& pushes = model_.constraints.pushes();
   for (const std::uint32_t k : pushes.nodes()) {

@@ -23,9 +23,8 @@ class SweepPairs {
  public:
   explicit SweepPairs(Model& model) : model_(model) {}
 
+  // With the pairs that touch at the committed state.
   void begin_step();
-  // Before a sweep: the first one of a step begins with the pairs that touch at its start.
-  void begin_sweep(const springnet_sweep& sweep);
   // Before a sweep that may leave constraint forces as the one before left them: takes out those of bodies.
   void take_out(const springnet_sweep& sweep);
   // Keeps bodies apart in the outputs of a sweep, which all other constraints have been applied to.
@@ -50,6 +49,7 @@ class SweepPairs {
   // Gives nodes the impulses that the rows have now.
   void push(const springnet_sweep& sweep);
   void store_pushes();
+  void store_rows();  // for linear systems
   [[nodiscard]] bool is_finite(const springnet_sweep& sweep) const;
 
   Model& model_;
@@ -61,8 +61,7 @@ class SweepPairs {
   std::vector<Vector3> added_;     // [node] N, to constraint forces
   std::vector<proximity::NearPair> near_;
   std::vector<proximity::MeetingPair> met_;
-  double length_ = 0.0;    // s, of the last sweep's step
-  bool is_new_ = true;     // the step: no sweep has begun
+  double length_ = 0.0;  // s, of the last sweep's step
 };
 
 }  // namespace springnet

@@ -314,7 +314,7 @@ void Linearisation::make_pattern() {
 // Borders the matrix by constraint rows. The pattern is kept while the rows join the same nodes.
 void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
   const auto same = [](const ConstraintRow& a, const ConstraintRow& b) {
-    return a.first == b.first && a.second == b.second;
+    return a.first == b.first && a.second == b.second && a.third == b.third && a.fourth == b.fourth;
   };
   if (!std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end(), same)) bordered_known_ = false;
   rows_ = rows;
@@ -328,16 +328,15 @@ void Linearisation::factorise_bound(const std::vector<ConstraintRow>& rows) {
   for (Eigen::Index r = 0; r < count; ++r) {
     const ConstraintRow& row = rows[static_cast<std::size_t>(r)];
     const int border = static_cast<int>(size + r);
-    for (const std::uint32_t node : {row.first, row.second}) {
-      if (node == ConstraintRow::no_node) continue;
-      const Vector3 direction = node == row.first ? row.direction : Vector3(-row.direction);
+    row.for_each_end([&](std::size_t, std::uint32_t node, double weight) {
+      const Vector3 direction = weight * row.direction;
       const Vector3 moved = constrained_[node] != 0 ? Vector3::Zero() : Vector3(block(by_force_, node) * direction);
       trace += direction.dot(moved);
       for (int c = 0; c < 3; ++c) {
         entries.emplace_back(static_cast<int>(3 * node) + c, border, moved[c]);
         entries.emplace_back(border, static_cast<int>(3 * node) + c, direction[c]);
       }
-    }
+    });
   }
   // Makes redundant rows factorisable; violates the constraints by about 1e-12 of the velocities.
   const double shift = -1e-12 * (trace > 0.0 ? trace / static_cast<double>(count) : 1.0);
@@ -477,8 +476,10 @@ springnet_status Linearisation::solve(bool transposed, const double* right_side,
     for (std::size_t c = 0; c < 3; ++c) work_[at(k, c)] = right_side[c * n + k];
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const ConstraintRow& row = rows_[r];
-    double rate = row.direction.dot(Vector3(work_.segment<3>(at(row.first, 0))));
-    if (row.second != ConstraintRow::no_node) rate -= row.direction.dot(Vector3(work_.segment<3>(at(row.second, 0))));
+    double rate = 0.0;
+    row.for_each_end([&](std::size_t, std::uint32_t node, double weight) {
+      rate += weight * row.direction.dot(Vector3(work_.segment<3>(at(node, 0))));
+    });
     work_[static_cast<Eigen::Index>(3 * n + r)] = transposed ? 0.0 : rate;
   }
   Eigen::VectorXd solution = solve_factorised(transposed, work_);
@@ -487,8 +488,9 @@ springnet_status Linearisation::solve(bool transposed, const double* right_side,
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const ConstraintRow& row = rows_[r];
       const double value = solution[static_cast<Eigen::Index>(3 * n + r)];
-      solution.segment<3>(at(row.first, 0)) += value * row.direction;
-      if (row.second != ConstraintRow::no_node) solution.segment<3>(at(row.second, 0)) -= value * row.direction;
+      row.for_each_end([&](std::size_t, std::uint32_t node, double weight) {
+        solution.segment<3>(at(node, 0)) += value * weight * row.direction;
+      });
     }
   }
   for (std::size_t k = 0; k < n; ++k)

@@ -11,7 +11,7 @@ constexpr double same_weight = 1e-9;
 }  // namespace
 
 void LinearSystem::attach(const springnet_network& network) {
-  constrained_ = network.surface_count > 0 || network.rigid_count > 0;
+  constrained_ = network.surface_count > 0 || network.rigid_count > 0 || network.body_contact_count > 0;
   has_true_friction_ = network.rigid_count == 0;  // as in the host's systems
   prepared_ = false;
 }

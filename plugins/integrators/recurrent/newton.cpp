@@ -65,7 +65,8 @@ void Newton::attach(const springnet_network& network) {
     if (network.cluster[k] != no_node && network.cluster[k] >= has_friction_.size())
       has_friction_.resize(network.cluster[k] + std::size_t{1});
   }
-  if (network.surface_count == 0) return;
+  pushed_.assign(network.body_contact_count > 0 ? n : 0, 0);
+  if (network.surface_count == 0 && network.body_contact_count == 0) return;
   contacts_.clear();
   contacts_.reserve(n);
   inertia_.assign(9 * n, 0.0);
@@ -347,8 +348,8 @@ void Newton::sweep(Step& step) {
       decisions = decisions_;
       continue;
     }
-    if (!step.constrained()) break;
-    before_contact = greatest_force(step, at_outputs_.residual);
+    if (!step.may_be_constrained()) break;
+    if (step.constrained()) before_contact = greatest_force(step, at_outputs_.residual);
     try {
       settle(step, &start);
       break;

@@ -98,6 +98,10 @@ class Newton final : public Rule {
   void compare_forces(Step& step);
   // Whether a node belongs to rigid connections without contact.
   [[nodiscard]] bool joined_without_friction(const Step& step, std::size_t node) const noexcept;
+  // Whether other bodies push a node that is not held: its positions are as of a free one.
+  [[nodiscard]] bool is_pushed(const Step& step, std::size_t node) const noexcept {
+    return step.is_pushed(node) && pinned_[node] == 0;
+  }
   // Whether a node that is not held has rigid connections or is on a surface, now or at the start of the step.
   [[nodiscard]] bool is_partly_constrained(const Step& step, std::size_t node) const noexcept;
 
@@ -108,6 +112,7 @@ class Newton final : public Rule {
   std::vector<std::uint8_t> pinned_;            // [n] 1: held, fixed or prescribed
   std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
+  std::vector<std::uint8_t> pushed_;            // [n] SPRINGNET_NEAR …, likewise; empty without bodies in contact
   std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step
   double shift_ = 0.0;                          // mu
   double kept_rate_ = 1.0;                      // slowest reduction with these derivatives

@@ -80,7 +80,7 @@ void Newton::settle(Step& step, const springnet_state* before) {
     std::copy_n(p[axis], n, next_p[axis]);
     if (!step.constrained()) continue;
     for (std::size_t k = 0; k < n; ++k) {
-      if (!is_partly_constrained(step, k)) continue;
+      if (!is_partly_constrained(step, k) && !is_pushed(step, k)) continue;
       // Undo the constraints: the host finds the constraint force from the unconstrained output.
       const std::size_t i = axis * n + k;
       if (!joined_without_friction(step, k)) next_u[axis][k] -= at_outputs_.free[i] - at_outputs_.residual[i];
@@ -90,10 +90,11 @@ void Newton::settle(Step& step, const springnet_state* before) {
     }
   }
   const bool is_early = waits_with_releases(step, before);
-  if (network.surface_count > 0) unconstrain_contacts(step, outputs, next, is_early);
+  const bool has_contacts = network.surface_count > 0 || step.is_pushed();
+  if (has_contacts) unconstrain_contacts(step, outputs, next, is_early);
   springnet_sweep call = work_.sweep_call(step, outputs, next);
   call.force = outputs.force;
-  if (network.surface_count > 0) call.inertia = inertia_.data();
+  if (network.surface_count > 0 || network.body_contact_count > 0) call.inertia = inertia_.data();
   if (is_early) call.contacts = SPRINGNET_MAY_TOUCH;
   work_.host.constrain(call);
   was_pinned_ = pinned_;
@@ -155,6 +156,10 @@ bool Newton::find_pinned(const Step& step) {
     const std::uint8_t status = network.status[k];
     switched = switched || status != status_[k];
     status_[k] = status;
+    if (!pushed_.empty()) {
+      switched = switched || network.pushed[k] != pushed_[k];
+      pushed_[k] = network.pushed[k];
+    }
     pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
     const std::uint32_t cluster = network.cluster[k];
     if (cluster != no_node && (status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING)) has_friction_[cluster] = 1;
@@ -170,7 +175,8 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
     Eigen::Map<NodeStep::Block>(inertia_.data() + 9 * std::size_t{k}) = network.mass[k] * NodeStep::Block::Identity();
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    const bool slides = is_partly_constrained(step, k) && !joined_without_friction(step, k);
+    const bool slides =
+        is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_friction(step, k));
     if ((pinned_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;

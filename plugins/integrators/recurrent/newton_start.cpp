@@ -22,6 +22,7 @@ void Newton::begin(Step& step) {
   if (!keeps) linearised_ = false;
   rate_ = kept_rate_;
   std::copy_n(network.status, network.node_count, status_.begin());
+  if (!pushed_.empty()) std::copy_n(network.pushed, network.node_count, pushed_.begin());
   guessed_ = step.outputs == nullptr && start_from_guess(step);
   try {
     start(step);

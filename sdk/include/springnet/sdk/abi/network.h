@@ -31,6 +31,13 @@ enum {
   SPRINGNET_SLIDING = 3     /* moves along the surfaces that it touches, with or without friction */
 };
 
+/* 2.1: what other bodies, or other parts of its own, do to a node within the sweeps of a step. */
+enum {
+  SPRINGNET_NEAR = 1,   /* nothing at present */
+  SPRINGNET_PUSHED = 2, /* push it */
+  SPRINGNET_STUCK = 3   /* push it, and friction holds it on one */
+};
+
 /* The internal state of laws in an evaluation. Without a time step it is as given. With one, laws step it: from that
  * committed to the end of the step, where nodes are as in the evaluation; their forces, and all derivatives, are those
  * with the states that follow. */
@@ -93,8 +100,8 @@ typedef struct springnet_network {
    * arrays by their numbers (springnet_parameter_set). */
   uint64_t spring_number_count, element_number_count, input_count;
   /* 2.1: bodies in contact, for the outputs of the step's last sweep or constrain, as `status`. */
-  const uint8_t* pushed;        /* [node_count] 1: another body may push it; null without body_contact_count */
-  const uint32_t* pushed_count; /* [1] of these nodes */
+  const uint8_t* pushed;        /* [node_count] 0, or SPRINGNET_NEAR …; null without body_contact_count */
+  const uint32_t* pushed_count; /* [1] nodes that are not 0 there */
 } springnet_network;
 
 /* Evaluation of the layers at a state: springs, loads, neurons. Outputs that are not wanted are null (all three
