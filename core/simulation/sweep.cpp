@@ -84,7 +84,10 @@ springnet_status Sweep::constrain(const springnet_sweep& request) {
   const springnet_status status =
       model_.constraints.constrain_clusters(*at, of_clusters, model_.evaluator.threads(), model_.journal.message);
   if (status == SPRINGNET_OK) model_.constraints.limit_changes(*at, sweep);
-  if (status == SPRINGNET_OK) pairs_.constrain(sweep);
+  if (sweep.contacts == SPRINGNET_AS_BEFORE)
+    pairs_.put_back(sweep);  // they stay as they are, too
+  else if (status == SPRINGNET_OK)
+    pairs_.constrain(sweep);
   return status;
 }
 

@@ -19,6 +19,9 @@ namespace springnet {
 namespace {
 
 constexpr int most_rounds = 12;  // of a sweep: later ones go on
+// What iterations aim at, in units of the accuracy at a commit: forces have to settle. After so many a sweep goes on.
+constexpr double sweep_accuracy = 1e-3;
+constexpr int patience = 300;
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
 constexpr double failed_gap = 10.0;
 
@@ -197,10 +200,14 @@ bool SweepPairs::is_finite(const springnet_sweep& sweep) const {
 
 void SweepPairs::take_out(const springnet_sweep& sweep) {
   if (sweep.constraint_force.x == nullptr || added_.empty()) return;
-  for (const std::uint32_t k : model_.constraints.pushes().nodes()) {
+  for (const std::uint32_t k : model_.constraints.pushes().nodes())
     put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) - added_[k]);
-    added_[k].setZero();
-  }
+}
+
+void SweepPairs::put_back(const springnet_sweep& sweep) {
+  if (sweep.constraint_force.x == nullptr || added_.empty()) return;
+  for (const std::uint32_t k : model_.constraints.pushes().nodes())
+    put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) + added_[k]);
 }
 
 void SweepPairs::constrain(const springnet_sweep& sweep) {
@@ -236,16 +243,14 @@ void SweepPairs::constrain(const springnet_sweep& sweep) {
     // Friction has no say in gaps: it needs an iteration of its own.
     if (done && (round > 0 || rows_.empty()) && !find(sweep)) break;
     push(sweep);
-    solve(rows_, nodes, weight, {tolerance.accuracy, tolerance.gap, pair_patience, most_pair_iterations});
+    solve(rows_, nodes, weight, {sweep_accuracy * tolerance.accuracy, tolerance.gap, patience, most_pair_iterations});
     store_pushes();
   }
   store_rows();
   if (sweep.constraint_force.x == nullptr) return;
   const BodyPushes& pushes = model_.constraints.pushes();
-  for (const std::uint32_t k : pushes.nodes()) {
-    added_[k] = pushes.impulse(k) / weight;
-    put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) + added_[k]);
-  }
+  for (const std::uint32_t k : pushes.nodes()) added_[k] = pushes.impulse(k) / weight;
+  put_back(sweep);
 }
 
 springnet_status SweepPairs::commit(const State& before) {

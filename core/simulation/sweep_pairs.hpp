@@ -25,8 +25,10 @@ class SweepPairs {
 
   // With the pairs that touch at the committed state.
   void begin_step();
-  // Before a sweep that may leave constraint forces as the one before left them: takes out those of bodies.
+  // Around a sweep that may leave constraint forces as the one before left them: takes out those of bodies, and puts
+  // them back.
   void take_out(const springnet_sweep& sweep);
+  void put_back(const springnet_sweep& sweep);
   // Keeps bodies apart in the outputs of a sweep, which all other constraints have been applied to.
   void constrain(const springnet_sweep& sweep);
   // At the committed outputs of the last sweep. before: the state at the start of the step.

@@ -24,10 +24,8 @@ void Newton::swap_plain(springnet_state& next) {
 
 void Newton::refresh_friction(const Step& step, const springnet_state& state, const springnet_state* before) {
   const springnet_network& network = step.network;
-  if ((network.surface_count == 0 && !step.is_pushed()) || network.rigid_count > 0) return;
-  if (!step.is_pushed() &&
-      std::count(network.status, network.status + network.node_count, SPRINGNET_SLIDING) == 0)
-    return;
+  if (network.surface_count == 0 || network.rigid_count > 0) return;
+  if (std::count(network.status, network.status + network.node_count, SPRINGNET_SLIDING) == 0) return;
   const std::size_t n = network.node_count;
   springnet_state& next = work_.state_beside(&state, before);
   const Three u = axes(state.velocity), next_u = axes(next.velocity);
