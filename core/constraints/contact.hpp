@@ -186,6 +186,7 @@ class Contact {
   // Sets a node's contact within the sweep. `impulse`: N s, of the surfaces over the step, without the share of the
   // reaction at its start if theta < 1. A contact that bounces is released at the commit.
   void decide(std::uint32_t node, const Touch& touch, const Vector3& impulse, bool bounces = false);
+  [[nodiscard]] bool bounces(std::uint32_t node) const noexcept { return !bounces_.empty() && bounces_[node] != 0; }
   // Rebound speed of a node in a new contact, m/s: restitution times the approach speed at the start of the step; 0 if
   // that is not more than the change of velocity over the step. `free`: velocity without the surface, m/s.
   [[nodiscard]] double rebound(const Placement& at, std::int32_t surface, const Vector3& position,

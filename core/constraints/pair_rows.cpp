@@ -69,12 +69,14 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length)
   double greatest = 0.0;
   for (PairRow& row : rows) {
     if (row.is_done || row.is_blocked) continue;
-    const Vector3 rate = relative(row, nodes.velocity);
+    const Vector3 rate = relative(row, nodes.velocity) - row.ground;
     const double missing = row.by_rate ? -(row.value + row.normal.dot(rate))
                                        : -(row.value + row.normal.dot(relative(row, nodes.position))) / row.lever;
     const double before = row.normal.dot(row.impulse), along = std::max(row.least, before + missing / row.mobility);
     Vector3 impulse = along * row.normal;
-    if (row.friction > 0.0 && along > 0.0) {
+    if (row.keeps_across && along > 0.0) {
+      impulse += row.impulse - before * row.normal;
+    } else if (row.friction > 0.0 && along > 0.0) {
       // What would end the slip, within the cone.
       const Vector3 slip = rate - row.normal * row.normal.dot(rate);
       Vector3 across = row.impulse - row.normal * before - slip / row.across;

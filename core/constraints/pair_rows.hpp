@@ -25,6 +25,7 @@ struct PairRow {
   std::array<double, 4> weights{};    // of the first primitive's nodes 1 in all, of the second's -1
   int count = 0;                      // of the nodes
   Vector3 normal = Vector3::UnitX();  // unit, from the second to the first
+  Vector3 ground = Vector3::Zero();   // m/s, of a second that is no node
   double friction = 0.0;              // coefficient; infinite: held
   double lever = 0.0;                 // s: an impulse moves a node by this times its change of velocity
   // Its impulse is the least for which `value` + normal . (sum of weights times velocities) >= 0 where `by_rate`, else
@@ -32,6 +33,7 @@ struct PairRow {
   bool by_rate = false;
   bool is_done = false;     // keeps its impulse
   bool is_blocked = false;  // likewise, as long as obstacles hold all of its nodes
+  bool keeps_across = false;  // keeps the part of its impulse across the normal, while it presses
   double least = 0.0;       // N s, along the normal: what it has given before
   double value = 0.0;
   Vector3 impulse = Vector3::Zero();  // N s

@@ -117,9 +117,13 @@ springnet_status ConstrainedResponse::find(Model& model, ReactionsAt& reactions)
   own_forces_.clear();
   rows_.clear();
   added_.assign(model.node_count(), Vector3::Zero());
+  // Friction of surfaces on nodes that other bodies push follows the sweeps, as that of these bodies does.
+  paired_.clear();
+  for (const ConstraintRow& row : model.constraints.rows())
+    if (row.is_pair) row.for_each_end([this](std::size_t, std::uint32_t node, double) { paired_.insert(node); });
   std::vector<std::uint32_t> sliding;  // lone nodes, ascending
   for (const ConstraintRow& row : model.constraints.rows()) {
-    if (row.surface < 0 || !is_lone(model, row.first))
+    if (row.surface < 0 || !is_lone(model, row.first) || paired_.contains(row.first))
       rows_.push_back(row);
     else if (sliding.empty() || sliding.back() != row.first)
       sliding.push_back(row.first);
@@ -171,7 +175,7 @@ void ConstrainedResponse::find_clusters(const ReactionsAt& reactions) {
   friction_.clear();
   factorised_ = false;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    if (rows_[r].surface < 0) continue;
+    if (rows_[r].surface < 0 || paired_.contains(rows_[r].first)) continue;
     const double mu = friction_of(*model_, rows_[r].surface);
     if (mu == 0.0) continue;
     const std::uint32_t k = rows_[r].first;
@@ -187,7 +191,7 @@ void ConstrainedResponse::find_rates(const ReactionsAt& reactions) {
   std::uint32_t last = ConstraintRow::no_node;
   for (const ConstraintRow& row : rows_) {
     const std::uint32_t k = row.first, o = row.second;
-    if (row.is_pair) {
+    if (row.is_pair || (row.surface >= 0 && paired_.contains(k))) {
       rates_.push_back({Vector3::Zero(), Vector3::Zero()});  // directions of pairs count as constant
       continue;
     }

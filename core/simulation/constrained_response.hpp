@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include <Eigen/LU>
@@ -85,7 +86,8 @@ class ConstrainedResponse {
   std::vector<Vector3> added_;  // [node]
   std::vector<Lone> lone_;
   std::vector<OwnForce> own_forces_;
-  std::vector<ConstraintRow> rows_;          // of clusters, and of pairs of bodies
+  std::set<std::uint32_t> paired_;           // nodes that other bodies push
+  std::vector<ConstraintRow> rows_;          // of clusters, of pairs of bodies, and of surfaces on paired_
   std::vector<AccelerationGradient> rates_;  // of these: r_p and r_v of the first node, minus those of the second
   std::vector<FrictionColumn> friction_;
   bool factorised_ = false;  // what follows; not before it is needed

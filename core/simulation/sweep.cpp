@@ -54,7 +54,7 @@ springnet_status Sweep::run(const springnet_sweep& request, const springnet_netw
       status = model_.constraints.constrain_clusters(*at, sweep, model_.evaluator.threads(), message);
     }
   }
-  if (status == SPRINGNET_OK) pairs_.constrain(sweep);
+  if (status == SPRINGNET_OK) pairs_.constrain(sweep, false);
   const bool left =
       status == SPRINGNET_OK && sweep.order == nullptr && model_.rigid.cluster_count() == 0 && tiles.outputs_finite;
   left_position_ = left ? sweep.next_position.x : nullptr;
@@ -87,7 +87,7 @@ springnet_status Sweep::constrain(const springnet_sweep& request) {
   if (sweep.contacts == SPRINGNET_AS_BEFORE)
     pairs_.put_back(sweep);  // they stay as they are, too
   else if (status == SPRINGNET_OK)
-    pairs_.constrain(sweep);
+    pairs_.constrain(sweep, true);
   return status;
 }
 

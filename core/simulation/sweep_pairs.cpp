@@ -22,8 +22,13 @@ constexpr int most_rounds = 12;  // of a sweep: later ones go on
 // What iterations aim at, in units of the accuracy at a commit: forces have to settle. After so many a sweep goes on.
 constexpr double sweep_accuracy = 1e-3;
 constexpr int patience = 300;
+// Friction on faces that are on faces is not unique, and its cone couples it to what presses: sweeps may carry it around
+// for ever. After so many sweeps of a step, of newton and of the other rules, it follows by a share that falls to zero,
+// and then keeps its impulses.
+constexpr int patience_of_newton = 25, patience_of_others = 100, sweeps_to_rest = 20;
+constexpr double falls_by = 0.8;
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
-constexpr double failed_gap = 10.0;
+constexpr double failed_gap = 300.0;
 
 // Friction at less than this share of its limit does not slip.
 constexpr double inside_cone = 1.0 - 1e-9;
@@ -45,6 +50,8 @@ void SweepPairs::begin_step() {
   contacts_.clear();
   known_.clear();
   mobility_.clear();
+  sweeps_ = 0;
+  friction_share_ = 1.0;
   model_.constraints.pushes().clear();
   const BodyContacts& bodies = model_.constraints.bodies();
   if (bodies.touching().empty()) return;
@@ -145,7 +152,8 @@ void SweepPairs::know_inertia(const springnet_sweep& sweep, const PairRow& row) 
 void SweepPairs::store_pushes() {
   BodyPushes& pushes = model_.constraints.pushes();
   for (const std::uint32_t k : pushes.nodes()) pushes.set(k, Vector3::Zero(), SPRINGNET_NEAR);
-  for (const PairRow& row : rows_) {
+  for (std::size_t r = 0; r < contacts_.size(); ++r) {
+    const PairRow& row = rows_[r];
     const std::uint8_t how = !presses(row) ? SPRINGNET_NEAR : sticks(row) ? SPRINGNET_STUCK : SPRINGNET_PUSHED;
     for (int i = 0; i < row.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -167,7 +175,7 @@ void SweepPairs::store_rows() {
       rows.push_back({nodes[0], nodes[1], direction, -1, nodes[2], nodes[3], row.weights, true});
     };
     add_row(row.normal);
-    if (!sticks(row)) continue;
+    if (!sticks(row) || friction_share_ == 0.0) continue;
     const Vector3 across = row.normal.unitOrthogonal();
     add_row(across);
     add_row(row.normal.cross(across));
@@ -210,42 +218,116 @@ void SweepPairs::put_back(const springnet_sweep& sweep) {
     put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) + added_[k]);
 }
 
-void SweepPairs::constrain(const springnet_sweep& sweep) {
+// Rows of the obstacles that pushed nodes are on, after those of pairs: what bodies and obstacles do to a node hangs on
+// each other. Obstacles that hold a node, and edges of several, count as they are.
+void SweepPairs::add_obstacles(const springnet_sweep& sweep, const Placement& at) {
+  on_obstacles_.clear();
+  const Contact& contact = model_.contact;
+  if (contact.obstacles().empty()) return;
+  for (const std::uint32_t k : model_.constraints.pushes().nodes()) {
+    const Touch touch = contact.now(k);
+    OnObstacle on;
+    if (!is_on_obstacle(model_, at, k, touch, vector_at(sweep.next_position, k), on)) continue;
+    if (on.sticks || contact.bounces(k) || sweep.constraint_force.x == nullptr) {
+      on_obstacles_[k] = on;
+      continue;
+    }
+    PairRow row;
+    row.nodes[0] = k;
+    row.weights[0] = 1.0;
+    row.count = 1;
+    row.impulse = weight_of(sweep) * vector_at(sweep.constraint_force, k);
+    // Friction of a node that arrives is that of its landing, too, and stays what the obstacle says.
+    if (contact.committed(k).has(touch.surface))
+      row.friction = coefficient_of(contact.obstacles()[static_cast<std::size_t>(touch.surface)].friction());
+    else
+      row.impulse = on.normal * on.normal.dot(row.impulse);
+    rows_.push_back(row);
+    reactions_.push_back({static_cast<std::size_t>(touch.surface), row.impulse});
+  }
+}
+
+// Prepares a row for the outputs as they are. Returns whether it has converged.
+bool SweepPairs::renew_row(std::size_t r, const springnet_sweep& sweep, const Placement& at, const MovedNodes& nodes,
+                           const PairTolerances& tolerance) {
+  PairRow& row = rows_[r];
+  double gap = 0.0;
+  if (r < contacts_.size()) {
+    gap = renew(r, sweep.next_position);
+  } else {
+    const std::size_t surface = reactions_[r - contacts_.size()].surface;
+    const Vector3 p = vector_at(sweep.next_position, row.nodes[0]);
+    gap = model_.contact.gap(at, surface, p);
+    row.normal = model_.contact.normal(at, surface, p);
+    row.ground = Contact::velocity(at, surface, p);
+  }
+  row.lever = weight_of(sweep);
+  row.value = gap - row.normal.dot(relative(row, sweep.next_position));
+  row.is_blocked = !set_mobility(row, nodes);
+  return row.is_blocked || (presses(row) ? std::abs(gap) <= tolerance.gap : gap >= -tolerance.gap);
+}
+
+void SweepPairs::find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy) {
+  const auto keep = [this](bool keeps) {
+    for (PairRow& row : rows_) row.keeps_across = keeps;
+  };
+  if (friction_share_ == 1.0) {
+    solve(rows_, nodes, weight, accuracy);
+    return;
+  }
+  if (friction_share_ > 0.0) {
+    std::vector<Vector3> before;
+    for (const PairRow& row : rows_) before.push_back(row.impulse);
+    solve(rows_, nodes, weight, accuracy);
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      Vector3 change = before[r] - rows_[r].impulse;
+      change = (1.0 - friction_share_) * (change - rows_[r].normal * rows_[r].normal.dot(change));
+      rows_[r].impulse += change;
+      apply(rows_[r], change, nodes);
+    }
+  }
+  keep(true);
+  solve(rows_, nodes, weight, accuracy);
+  keep(false);
+}
+
+void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   if (!model_.constraints.bodies().any()) return;
+  const int sweeps = ++sweeps_ - (of_newton ? patience_of_newton : patience_of_others);
+  friction_share_ = sweeps <= 0 ? 1.0 : sweeps > sweeps_to_rest ? 0.0 : std::pow(falls_by, sweeps);
   const double weight = weight_of(sweep);
   length_ = sweep.time_constant;
   if (!(weight > 0.0) || !is_finite(sweep)) return;
   for (const PairRow& row : rows_) know_inertia(sweep, row);
   const PairTolerances tolerance(model_);
-  std::map<std::uint32_t, OnObstacle> on_obstacles;
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
-  const auto note_obstacles = [&] {
-    if (model_.contact.obstacles().empty()) return;
-    for (const std::uint32_t k : model_.constraints.pushes().nodes())
-      if (OnObstacle on; !on_obstacles.contains(k) && is_on_obstacle(model_, *at, k, model_.contact.now(k),
-                                                                     vector_at(sweep.next_position, k), on))
-        on_obstacles[k] = on;
-  };
   MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_,
                    sweep.inertia != nullptr ? &blocks_ : nullptr};
-  for (int round = 0; round < most_rounds; ++round) {
-    note_obstacles();
-    nodes.on_obstacles = on_obstacles.empty() ? nullptr : &on_obstacles;
-    bool done = true;
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      PairRow& row = rows_[r];
-      const double gap = renew(r, sweep.next_position);
-      row.lever = weight;
-      row.value = gap - row.normal.dot(relative(row, sweep.next_position));
-      row.is_blocked = !set_mobility(row, nodes);
-      done = done && (row.is_blocked || (presses(row) ? std::abs(gap) <= tolerance.gap : gap >= -tolerance.gap));
+  const auto finish = [&] {
+    for (std::size_t i = 0; i < reactions_.size(); ++i) {
+      const PairRow& row = rows_[contacts_.size() + i];
+      const Vector3 more = (row.impulse - reactions_[i].before) / weight;
+      put_vector(sweep.constraint_force, row.nodes[0], vector_at(sweep.constraint_force, row.nodes[0]) + more);
     }
+    rows_.resize(contacts_.size());
+    reactions_.clear();
+  };
+  for (int round = 0; round < most_rounds; ++round) {
+    if (reactions_.empty()) add_obstacles(sweep, *at);
+    nodes.on_obstacles = on_obstacles_.empty() ? nullptr : &on_obstacles_;
+    bool done = true;
+    for (std::size_t r = 0; r < rows_.size(); ++r) done = renew_row(r, sweep, *at, nodes, tolerance) && done;
     // Friction has no say in gaps: it needs an iteration of its own.
-    if (done && (round > 0 || rows_.empty()) && !find(sweep)) break;
+    if (done && (round > 0 || contacts_.empty())) {
+      finish();
+      if (!find(sweep)) break;
+      continue;
+    }
     push(sweep);
-    solve(rows_, nodes, weight, {sweep_accuracy * tolerance.accuracy, tolerance.gap, patience, most_pair_iterations});
+    find_impulses(nodes, weight, {sweep_accuracy * tolerance.accuracy, tolerance.gap, patience, most_pair_iterations});
     store_pushes();
   }
+  finish();
   store_rows();
   if (sweep.constraint_force.x == nullptr) return;
   const BodyPushes& pushes = model_.constraints.pushes();

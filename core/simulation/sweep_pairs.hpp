@@ -16,6 +16,7 @@
 
 #include "constraints/pair_rows.hpp"
 #include "simulation/model.hpp"
+#include "simulation/pair_ending.hpp"
 
 namespace springnet {
 
@@ -30,13 +31,14 @@ class SweepPairs {
   void take_out(const springnet_sweep& sweep);
   void put_back(const springnet_sweep& sweep);
   // Keeps bodies apart in the outputs of a sweep, which all other constraints have been applied to.
-  void constrain(const springnet_sweep& sweep);
+  // of_newton: a sweep that solved for all nodes at once.
+  void constrain(const springnet_sweep& sweep, bool of_newton);
   // At the committed outputs of the last sweep. before: the state at the start of the step.
   springnet_status commit(const State& before);
 
  private:
   using Key = std::pair<proximity::PairKind, proximity::Pair>;
-  struct Contact {
+  struct Known {
     Vector3 side;       // direction of the pair while it has not gone through
     double thickness;   // m
     double rebound;     // m/s
@@ -53,16 +55,28 @@ class SweepPairs {
   void store_pushes();
   void store_rows();  // for linear systems
   [[nodiscard]] bool is_finite(const springnet_sweep& sweep) const;
+  void find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy);
+  void add_obstacles(const springnet_sweep& sweep, const Placement& at);
+  bool renew_row(std::size_t row, const springnet_sweep& sweep, const Placement& at, const MovedNodes& nodes,
+                 const PairTolerances& tolerance);
 
   Model& model_;
-  std::vector<PairRow> rows_;
-  std::vector<Contact> contacts_;  // [row]
+  struct Reaction {
+    std::size_t surface;
+    Vector3 before;  // N s, as its own constraint found it
+  };
+  std::vector<PairRow> rows_;         // of pairs; within a sweep then of reactions_
+  std::vector<Known> contacts_;      // [pair]
+  std::vector<Reaction> reactions_;   // of obstacles
+  std::map<std::uint32_t, OnObstacle> on_obstacles_;  // that are not among these
   std::map<Key, std::size_t> known_;
   std::vector<double> mobility_;   // [node] 1/kg; empty before the first pair
   std::vector<Matrix3> blocks_;    // likewise, of rules whose effective masses have directions
   std::vector<Vector3> added_;     // [node] N, to constraint forces
   std::vector<proximity::NearPair> near_;
   std::vector<proximity::MeetingPair> met_;
+  int sweeps_ = 0;               // of the step
+  double friction_share_ = 1.0;  // by which friction follows
   double length_ = 0.0;  // s, of the last sweep's step
 };
 
