@@ -46,10 +46,12 @@ struct Differing {
 
 }  // namespace
 
-// Far from the solution of the contacts as they are, none is released or begins to slip.
+// Far from the solution of the contacts as they are, none is released or begins to slip; but not where bodies push
+// nodes, which obstacles have to give way to.
 bool Newton::waits_with_releases(const Step& step, const springnet_state* before) const {
   const springnet_network& network = step.network;
-  if (network.surface_count == 0 || network.rigid_count > 0 || before == nullptr || !step.decides || step.waits)
+  if (network.surface_count == 0 || network.rigid_count > 0 || before == nullptr || !step.decides || step.waits ||
+      step.is_pushed())
     return false;
   return contact_changes_ >= patience_with_releases && step.sweeps < last_switch_ + max_sweeps_between &&
          at_outputs_.norm > share_of_change * norm_at_change_ &&
@@ -104,7 +106,9 @@ void Newton::settle(Step& step, const springnet_state* before) {
     // Chattering nodes stay too: where they touch depends on their free motion, a fixed point that may not converge.
     const bool separated = network.status[k] == SPRINGNET_FREE;
     const bool chatters = pinned_[k] != 0 && contact_changes_ >= patience;
-    if (was_pinned_[k] == 0 || network.cluster[k] != no_node || !(separated || chatters)) continue;
+    // Those that bodies push are where both have them.
+    const bool is_lone = network.cluster[k] == no_node && !step.is_pushed(k);
+    if (was_pinned_[k] == 0 || !is_lone || !(separated || chatters)) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       next_u[axis][k] = u[axis][k];
       next_p[axis][k] = p[axis][k];
