@@ -70,8 +70,8 @@ class BodyPushes {
   }
 
  private:
-  std::vector<Vector3> impulse_;        // N s, [node]
-  std::vector<std::uint8_t> pushed_;    // [node]
+  std::vector<Vector3> impulse_;      // N s, [node]
+  std::vector<std::uint8_t> pushed_;  // [node]
   std::vector<std::uint32_t> nodes_;
   std::vector<ConstraintRow> rows_;
   std::uint32_t count_ = 0;

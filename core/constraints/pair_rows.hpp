@@ -31,10 +31,10 @@ struct PairRow {
   // Its impulse is the least for which `value` + normal . (sum of weights times velocities) >= 0 where `by_rate`, else
   // `value` + normal . (sum of weights times positions) >= 0; m/s, m.
   bool by_rate = false;
-  bool is_done = false;     // keeps its impulse
-  bool is_blocked = false;  // likewise, as long as obstacles hold all of its nodes
+  bool is_done = false;       // keeps its impulse
+  bool is_blocked = false;    // likewise, as long as obstacles hold all of its nodes
   bool keeps_across = false;  // keeps the part of its impulse across the normal, while it presses
-  double least = 0.0;       // N s, along the normal: what it has given before
+  double least = 0.0;         // N s, along the normal: what it has given before
   double value = 0.0;
   Vector3 impulse = Vector3::Zero();  // N s
   double mobility = 0.0;              // 1/kg, of the pair along the normal

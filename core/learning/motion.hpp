@@ -86,6 +86,7 @@ struct MotionDerivatives::Impl {
         scene_changes(*net, engine, learned),
         steps(static_cast<std::size_t>(std::llround(duration / options.time_step))) {
     learning::check_method(options.integrator);
+    learning::check_net(*net);
     if (!(duration > 0.0) || !std::isfinite(duration) || steps == 0)
       throw Error(ErrorKind::input,
                   fmt::format("learning: a duration of {} s has no time step of {} s", duration, options.time_step));

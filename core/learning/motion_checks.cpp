@@ -21,4 +21,10 @@ void check_method(const LawUse& integrator) {
     refuse("a step with a given number of sweeps is no fixed point, which is what is differentiated; set sweeps = 0");
 }
 
+void check_net(const Network& network) {
+  if (!network.contacts().empty())
+    throw Error(ErrorKind::input,
+                "learning: contact of bodies with each other ([[contact]]) is not differentiated; leave it out");
+}
+
 }  // namespace springnet::learning

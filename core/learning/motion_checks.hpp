@@ -10,5 +10,6 @@ namespace springnet::learning {
 
 // Throws Error(input) for what cannot be differentiated.
 void check_method(const LawUse& integrator);
+void check_net(const Network& network);
 
 }  // namespace springnet::learning

@@ -32,6 +32,7 @@ std::shared_ptr<const Component> integrator_of(const PluginHost& plugins, const 
 }
 
 void check(const Network& network) {
+  if (!network.contacts().empty()) refuse("contact of bodies with each other ([[contact]]) is not differentiated");
   if (!network.cuts().empty()) refuse("a net with cuts is not differentiated");
   if (!network.changes().empty()) refuse("a net that changes while it runs ([[change]]) is not differentiated");
 }

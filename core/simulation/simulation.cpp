@@ -49,7 +49,7 @@ void Simulation::Impl::require_abilities() const {
     throw Error(
         ErrorKind::input,
         fmt::format("integrator '{}' does not handle contact of bodies with each other, which this network has; "
-                    "use verlet, or leave out [[contact]]",
+                    "use recurrent or verlet, or leave out [[contact]]",
                     options.integrator.id));
   if ((abilities & SPRINGNET_WITHOUT_RIGID) != 0 && engine.model().rigid.any()) refuse("rigid connections");
 }

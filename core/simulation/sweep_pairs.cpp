@@ -18,13 +18,14 @@
 namespace springnet {
 namespace {
 
-constexpr int most_rounds = 12;  // of a sweep: later ones go on
+constexpr int most_rounds = 12;          // of a sweep: later ones go on
+constexpr double crossing_share = 1e-3;  // of the thickness: nearer than that, paths cross
 // What iterations aim at, in units of the accuracy at a commit: forces have to settle. After so many a sweep goes on.
 constexpr double sweep_accuracy = 1e-3;
-constexpr int patience = 300;
-// Friction on faces that are on faces is not unique, and its cone couples it to what presses: sweeps may carry it around
-// for ever. After so many sweeps of a step, of newton and of the other rules, it follows by a share that falls to zero,
-// and then keeps its impulses.
+constexpr int patience = 100;
+// Friction on faces that are on faces is not unique, and its cone couples it to what presses: sweeps may carry it
+// around for ever. After so many sweeps of a step, of newton and of the other rules, it follows by a share that falls
+// to zero, and then keeps its impulses.
 constexpr int patience_of_newton = 25, patience_of_others = 100, sweeps_to_rest = 20;
 constexpr double falls_by = 0.8;
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
@@ -39,9 +40,7 @@ bool sticks(const PairRow& row) {
   return row.friction > 0.0 && (row.impulse - along * row.normal).norm() < inside_cone * row.friction * along;
 }
 
-double weight_of(const springnet_sweep& sweep) {
-  return sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0);
-}
+double weight_of(const springnet_sweep& sweep) { return sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0); }
 
 }  // namespace
 
@@ -58,10 +57,9 @@ void SweepPairs::begin_step() {
   const proximity::Positions x = positions_of(read_only(model_.state.view.position), model_.node_count());
   for (const PairTouch& touch : bodies.touching()) {
     const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
-    add(touch.kind, touch.pair, at.direction);
+    add(touch.kind, touch.pair, at);
     // Begins with the force of the last step, so that what rests stays where it is.
     PairRow& row = rows_.back();
-    row.weights = at.weights;
     const double along = row.normal.dot(touch.guess);
     row.impulse = model_.step_length * (touch.guess + (std::max(0.0, along) - along) * row.normal);
   }
@@ -69,26 +67,25 @@ void SweepPairs::begin_step() {
   store_rows();
 }
 
-void SweepPairs::add(proximity::PairKind kind, proximity::Pair pair, const Vector3& side) {
+void SweepPairs::add(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& met) {
   const BodyContacts& bodies = model_.constraints.bodies();
   if (mobility_.empty()) {
     mobility_ = pair_mobility(model_);
     added_.assign(model_.node_count(), Vector3::Zero());
   }
-  PairRow row = row_of(bodies, kind, pair, {});
-  row.normal = side;
+  const PairRow row = row_of(bodies, kind, pair, met);
   known_[{kind, pair}] = rows_.size();
   for (int i = 0; i < row.count; ++i)
     if (const std::uint32_t k = row.nodes[static_cast<std::size_t>(i)]; mobility_[k] > 0.0)
       model_.constraints.pushes().add_node(k);
   rows_.push_back(row);
-  contacts_.push_back({side, bodies.primitives().thickness(kind, pair), 0.0});
+  contacts_.push_back({met, bodies.primitives().thickness(kind, pair), 0.0});
 }
 
 void SweepPairs::add(const springnet_sweep& sweep, proximity::PairKind kind, proximity::Pair pair,
-                     const Vector3& side) {
+                     const proximity::Separation& met) {
   if (known_.contains({kind, pair})) return;
-  add(kind, pair, side);
+  add(kind, pair, met);
   const std::size_t r = rows_.size() - 1;
   static_cast<void>(renew(r, sweep.next_position));
   know_inertia(sweep, rows_[r]);
@@ -99,7 +96,7 @@ void SweepPairs::add(const springnet_sweep& sweep, proximity::PairKind kind, pro
       const auto k = static_cast<std::size_t>(i);
       sum += rows_[r].weights[k] * vector_at(velocity, rows_[r].nodes[k]);
     }
-    return side.dot(sum);
+    return met.direction.dot(sum);
   };
   const double came = -along(sweep.start_velocity), gained = std::abs(along(sweep.next_velocity) + came);
   if (came > gained) contacts_[r].rebound = model_.constraints.bodies().law_of(kind, pair).restitution * came;
@@ -107,12 +104,32 @@ void SweepPairs::add(const springnet_sweep& sweep, proximity::PairKind kind, pro
 
 double SweepPairs::renew(std::size_t r, const springnet_vectors& position) {
   PairRow& row = rows_[r];
+  const Known& known = contacts_[r];
   const proximity::Primitives& all = model_.constraints.bodies().primitives();
-  const proximity::Positions x = positions_of(read_only(position), model_.node_count());
-  const proximity::Separation at = on_side(separation(row.kind, all.corners(row.kind, row.pair, x)), contacts_[r].side);
-  row.normal = at.direction;
-  row.weights = at.weights;
-  return at.distance - contacts_[r].thickness;
+  const std::size_t n = model_.node_count();
+  const std::array<Vector3, 4> end = all.corners(row.kind, row.pair, positions_of(read_only(position), n));
+  const proximity::Separation now = separation(row.kind, end);
+  // On its side the distance counts, also where the pair has slid beyond a border. What has gone through goes back
+  // through the plane in which it did.
+  const auto apart_along = [&](const proximity::Separation& plane) {
+    row.normal = plane.direction;
+    row.weights = plane.weights;
+    return row.normal.dot(relative(row, position));
+  };
+  if (row.kind == proximity::PairKind::node_node) {
+    if (const double apart = apart_along(known.at); apart < 0.0) return apart - known.thickness;
+  } else {
+    const std::array<Vector3, 4> start =
+        all.corners(row.kind, row.pair, positions_of(read_only(model_.state.view.position), n));
+    double path = 0.0;  // at most, of one relative to the other
+    for (std::size_t k = 0; k < end.size(); ++k) path = std::max(path, 2.0 * (end[k] - start[k]).norm());
+    if (path > now.distance)
+      if (const auto crossing = first_meeting(row.kind, start, end, crossing_share * known.thickness))
+        if (const double apart = apart_along(crossing->at); apart < 0.0) return apart - known.thickness;
+  }
+  row.normal = now.direction;
+  row.weights = now.weights;
+  return now.distance - known.thickness;
 }
 
 bool SweepPairs::find(const springnet_sweep& sweep) {
@@ -129,12 +146,11 @@ bool SweepPairs::find(const springnet_sweep& sweep) {
   const proximity::Primitives& all = bodies.primitives();
   const unsigned threads = model_.evaluator.threads();
   const auto at_start = [&](proximity::PairKind kind, proximity::Pair pair) {
-    return separation(kind, all.corners(kind, pair, start)).direction;
+    return separation(kind, all.corners(kind, pair, start));
   };
   proximity::find_meetings(all, bodies.list().pairs(), start, end, met_, threads);
   for (const proximity::MeetingPair& each : met_)
-    add(sweep, each.kind, each.pair,
-        each.meeting.from_start ? at_start(each.kind, each.pair) : each.meeting.at.direction);
+    add(sweep, each.kind, each.pair, each.meeting.from_start ? at_start(each.kind, each.pair) : each.meeting.at);
   proximity::find_near(all, bodies.list().pairs(), end, 0.0, near_, threads);
   for (const proximity::NearPair& each : near_) add(sweep, each.kind, each.pair, at_start(each.kind, each.pair));
   return rows_.size() > before;
@@ -301,8 +317,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   for (const PairRow& row : rows_) know_inertia(sweep, row);
   const PairTolerances tolerance(model_);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
-  MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_,
-                   sweep.inertia != nullptr ? &blocks_ : nullptr};
+  MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_, sweep.inertia != nullptr ? &blocks_ : nullptr};
   const auto finish = [&] {
     for (std::size_t i = 0; i < reactions_.size(); ++i) {
       const PairRow& row = rows_[contacts_.size() + i];
@@ -358,8 +373,7 @@ springnet_status SweepPairs::commit(const State& before) {
   std::map<std::uint32_t, OnObstacle> on_obstacles;
   const std::shared_ptr<const Placement> at = model_.placement(model_.time);
   for (std::uint32_t k = 0; !model_.contact.obstacles().empty() && k < model_.node_count(); ++k)
-    if (OnObstacle on;
-        is_on_obstacle(model_, *at, k, model_.contact.committed(k), vector_at(position, k), on))
+    if (OnObstacle on; is_on_obstacle(model_, *at, k, model_.contact.committed(k), vector_at(position, k), on))
       on_obstacles[k] = on;
   const MovedNodes nodes{position, velocity, &mobility_, nullptr, on_obstacles.empty() ? nullptr : &on_obstacles};
   const PairEnding ending{model_.time, length_, nodes, read_only(before.view.velocity), false};

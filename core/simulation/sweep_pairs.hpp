@@ -2,11 +2,11 @@
 //
 //   U = U_free + W sum w J,   P = p* + theta h U,   gaps(P) >= 0,   J >= 0 only where the gap is 0,
 //
-// with W the inverse of the inertia of the update rule, and of each pair the weights w of its nodes and the direction at
-// P. The impulses J are kept from sweep to sweep: nodes have them when others read their outputs, and the end of a sweep
-// changes them by what its outputs still overlap. So the fixed point does not depend on W, and every rule has the same.
-// Friction lies in Coulomb's cone and ends the slip of U. At the commit pairs that touch approach no more (PairEnding):
-// within the step a node that arrives has the velocity that takes it there.
+// with W the inverse of the inertia of the update rule, and of each pair the weights w of its nodes and the direction
+// at P. The impulses J are kept from sweep to sweep: nodes have them when others read their outputs, and the end of a
+// sweep changes them by what its outputs still overlap. So the fixed point does not depend on W, and every rule has the
+// same. Friction lies in Coulomb's cone and ends the slip of U. At the commit pairs that touch approach no more
+// (PairEnding): within the step a node that arrives has the velocity that takes it there.
 #pragma once
 
 #include <cstdint>
@@ -39,12 +39,13 @@ class SweepPairs {
  private:
   using Key = std::pair<proximity::PairKind, proximity::Pair>;
   struct Known {
-    Vector3 side;       // direction of the pair while it has not gone through
-    double thickness;   // m
-    double rebound;     // m/s
+    proximity::Separation at;  // when they met, or at the start of the step
+    double thickness;          // m
+    double rebound;            // m/s
   };
-  void add(proximity::PairKind kind, proximity::Pair pair, const Vector3& side);
-  void add(const springnet_sweep& sweep, proximity::PairKind kind, proximity::Pair pair, const Vector3& side);
+  void add(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& met);
+  void add(const springnet_sweep& sweep, proximity::PairKind kind, proximity::Pair pair,
+           const proximity::Separation& met);
   // Adds rows of pairs that overlap in the outputs, or meet on the way there. Returns whether there were any.
   bool find(const springnet_sweep& sweep);
   // The gap of a row, m, which takes directions and weights from these positions.
@@ -65,19 +66,19 @@ class SweepPairs {
     std::size_t surface;
     Vector3 before;  // N s, as its own constraint found it
   };
-  std::vector<PairRow> rows_;         // of pairs; within a sweep then of reactions_
-  std::vector<Known> contacts_;      // [pair]
-  std::vector<Reaction> reactions_;   // of obstacles
+  std::vector<PairRow> rows_;                         // of pairs; within a sweep then of reactions_
+  std::vector<Known> contacts_;                       // [pair]
+  std::vector<Reaction> reactions_;                   // of obstacles
   std::map<std::uint32_t, OnObstacle> on_obstacles_;  // that are not among these
   std::map<Key, std::size_t> known_;
-  std::vector<double> mobility_;   // [node] 1/kg; empty before the first pair
-  std::vector<Matrix3> blocks_;    // likewise, of rules whose effective masses have directions
-  std::vector<Vector3> added_;     // [node] N, to constraint forces
+  std::vector<double> mobility_;  // [node] 1/kg; empty before the first pair
+  std::vector<Matrix3> blocks_;   // likewise, of rules whose effective masses have directions
+  std::vector<Vector3> added_;    // [node] N, to constraint forces
   std::vector<proximity::NearPair> near_;
   std::vector<proximity::MeetingPair> met_;
   int sweeps_ = 0;               // of the step
   double friction_share_ = 1.0;  // by which friction follows
-  double length_ = 0.0;  // s, of the last sweep's step
+  double length_ = 0.0;          // s, of the last sweep's step
 };
 
 }  // namespace springnet

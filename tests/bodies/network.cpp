@@ -92,8 +92,7 @@ TEST_CASE("in the network a ball on an inclined sheet sticks below the angle of 
       Network net;
       const Vector3 down(std::cos(angle), 0, -std::sin(angle)), up(std::sin(angle), 0, std::cos(angle));
       add_sheet(net, "incline", 21, 4.0, {0, 0, 0}, down, Vector3::UnitY(), 0.02, 1.0, true);
-      const NodeIndex ball =
-          add_ball(net, "ball", -1.5 * down + 0.06 * up + Vector3(0, 0.013, 0), at_rest, 0.3, 0.05);
+      const NodeIndex ball = add_ball(net, "ball", -1.5 * down + 0.06 * up + Vector3(0, 0.013, 0), at_rest, 0.3, 0.05);
       touch(net, 0, 1, {Friction::Kind::coulomb, mu});
       net.set_gravity({0, 0, -g});
       Simulation s = simulate(net, recurrent(update_named(rule), 1e-11, {{"theta", 0.5}}), 0.002);
@@ -133,10 +132,12 @@ TEST_CASE("in the network blocks that meet keep momentum, do not enter each othe
       std::vector<Vector3>& end = ends.emplace_back();
       for (NodeIndex k = 0; k < net.nodes().size(); ++k) end.push_back(s.position(k));
     }
+    // Of faces on faces the share of friction that each pair has is not unique.
+    const double agreement = mu > 0.0 ? 5e-4 : 1e-6;
     for (const std::vector<Vector3>& other : ends) {
       double greatest = 0.0;
       for (std::size_t k = 0; k < other.size(); ++k) greatest = std::max(greatest, (other[k] - ends[0][k]).norm());
-      CHECK(greatest <= 1e-5);
+      CHECK(greatest <= agreement);
     }
   }
 }
@@ -158,5 +159,141 @@ TEST_CASE("in the network what never touches moves in the same bits as without c
       REQUIRE(a.positions() == b.positions());
       REQUIRE(a.velocities() == b.velocities());
     }
+  }
+}
+
+TEST_CASE("steps of the network tend to the motion that velocity Verlet finds, with their first order") {
+  Network net;
+  add_block(net, "left", 3, 0.1, {-0.25, 0.03, 0.02}, {1.5, 0, 0.1}, 0.02, 0.01, 300.0, 0.05);
+  add_block(net, "right", 4, 0.08, {0.0, 0.0, 0.0}, {-0.5, 0.2, 0}, 0.02, 0.006, 300.0, 0.05);
+  touch(net, 0, 1, frictionless);
+  const double until = 0.1;
+  const auto ends_at = [&](const LawUse& integrator, double h) {
+    Simulation s = simulate(net, integrator, h);
+    while (s.time() < until - 1e-9) s.step();
+    REQUIRE(count_events(s).met > 0);
+    std::vector<Vector3> end;
+    for (NodeIndex k = 0; k < net.nodes().size(); ++k) end.push_back(s.position(k));
+    return end;
+  };
+  const std::vector<Vector3> reference = ends_at(verlet, 2e-5);
+  std::vector<double> errors;
+  for (const double h : {2e-3, 1e-3, 5e-4}) {
+    const std::vector<Vector3> end = ends_at(recurrent(newton, 1e-7), h);
+    double greatest = 0.0;
+    for (std::size_t k = 0; k < end.size(); ++k) greatest = std::max(greatest, (end[k] - reference[k]).norm());
+    errors.push_back(greatest);
+  }
+  CAPTURE(errors[0]);
+  CAPTURE(errors[1]);
+  CAPTURE(errors[2]);
+  CHECK(errors[2] <= 5e-3);  // they moved 0.2 m
+  for (const std::size_t i : {0u, 1u}) CHECK(errors[i + 1] <= 0.7 * errors[i]);
+}
+
+TEST_CASE("in the network a node that is fired at a sheet at a hundred thicknesses a step does not pass") {
+  const double thickness = 0.002, h = 0.01, speed = 100.0 * thickness / h;
+  for (const std::string rule : {"wavefront", "newton"}) {
+    for (const bool fixed : {true, false}) {
+      for (const Vector3& direction : {Vector3(0, 0, -1), Vector3(0.3, -0.5, -1.0), Vector3(1.0, 0.2, -0.1)}) {
+        CAPTURE(rule);
+        CAPTURE(fixed);
+        CAPTURE(direction.transpose());
+        Network net;
+        const std::size_t sheet = add_sheet(net, "sheet", 7, 0.6, {0, 0, 0}, Vector3::UnitX(), Vector3::UnitY(),
+                                            thickness, 0.01, fixed, 2000.0);
+        const Vector3 v = speed * direction.normalized();
+        const NodeIndex ball = add_ball(net, "ball", -3.37 * h * v + Vector3(0.02, 0.03, 0), v, 0.005, 0.001);
+        touch(net, sheet, net.bodies().size() - 1, frictionless);
+        Simulation s = simulate(net, recurrent(update_named(rule), 1e-6), h / (fixed ? 1.0 : 20.0));
+        const Vector3 p = momentum(net, s);
+        advance(s, fixed ? 8 : 160);
+        REQUIRE(!s.events().empty());
+        if (fixed) {
+          CHECK(s.position(ball)[2] >= 0.002 - 3e-7);  // the tolerance of gaps
+          CHECK((s.velocity(ball) - Vector3(v[0], v[1], 0)).norm() <= 1e-6);
+        } else {
+          CHECK((momentum(net, s) - p).norm() <= 1e-7);
+          CHECK(count_crossings(net, s) == 0);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("in the network bodies and obstacles carry each other, in long steps, and none enters another") {
+  Network net;
+  const int count = 3;
+  const double mass = 0.02;
+  for (int i = 0; i < count; ++i)
+    add_block(net, "block " + std::to_string(i), 3, 0.1, {0.007 * (i % 2), 0.011 * (i % 3), 0.005 + 0.23 * i}, at_rest,
+              mass, 0.01, 1500.0, 1.0);
+  touch_all(net, {Friction::Kind::coulomb, 0.5});
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, 0.5};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -g});
+  Simulation s = simulate(net, recurrent(automatic, 1e-5), 0.005);
+  while (s.time() < 0.6) {
+    s.step();
+    if (s.steps() % 10 == 0) REQUIRE(count_crossings(net, s) == 0);
+  }
+  double fastest = 0.0;
+  for (NodeIndex k = 0; k < net.nodes().size(); ++k) fastest = std::max(fastest, s.velocity(k).norm());
+  CHECK(fastest <= 0.05);  // they fell at 1 m/s; backward Euler damps what rocks
+  CHECK(-s.surface_force(0)[2] == doctest::Approx(count * 27 * mass * g).epsilon(0.05));
+}
+
+TEST_CASE("in the network a moved ball pushes another one on a floor, and strikes a third with (1 + e) of its speed") {
+  const double speed = 2.0, e = 0.5;
+  for (const std::string rule : update_rules) {
+    CAPTURE(rule);
+    Network net;
+    const NodeIndex club = add_ball(net, "club", {0, 0, 0}, at_rest, 1.0, 0.1);
+    add_ball(net, "ball", {0.5, 0, 0}, at_rest, 0.4, 0.1);
+    touch_all(net, frictionless, e);
+    Plane floor;
+    floor.friction = frictionless;
+    net.add_plane(floor);
+    net.set_gravity({0, 0, -g});
+    Motion motion;
+    motion.interpolation = Motion::Interpolation::linear;
+    motion.times = {0.0, 1.0};
+    motion.displacements = {Vector3::Zero(), Vector3(speed, 0, 0)};
+    net.add_move({{club}, motion});
+    Simulation s = simulate(net, recurrent(update_named(rule), 1e-9), 0.007);
+    while (s.time() < 0.2) s.step();
+    CHECK(s.velocity(1)[0] == doctest::Approx((1.0 + e) * speed).epsilon(1e-9));
+    CHECK(std::abs(s.position(1)[2]) <= 1e-9);
+  }
+}
+
+TEST_CASE("in the network contact of bodies has the same bits for every number of threads, and after a saved state") {
+  Network net;
+  add_block(net, "left", 4, 0.1, {-0.35, 0.03, 0.02}, {1.5, 0, 0.1}, 0.02, 0.01, 300.0, 0.05);
+  add_block(net, "right", 4, 0.08, {0.0, 0.0, 0.0}, {-0.5, 0.2, 0}, 0.02, 0.006, 300.0, 0.05);
+  touch(net, 0, 1, {Friction::Kind::coulomb, 0.3});
+  for (const std::string rule : {"synchronous", "coloured", "newton"}) {
+    CAPTURE(rule);
+    const auto start = [&](unsigned threads) {
+      SimulationOptions options;
+      options.time_step = 0.001;
+      options.integrator = recurrent(update_named(rule), 1e-7);
+      options.threads = threads;
+      return Simulation(net, plugins(), options);
+    };
+    Simulation one = start(1), three = start(3);
+    advance(one, 60);
+    advance(three, 60);
+    REQUIRE(!one.body_touches().empty());
+    CHECK(one.positions() == three.positions());
+    const std::string saved = one.save();
+    advance(one, 20);
+    Simulation later = start(1);
+    later.restore(saved);
+    REQUIRE(!later.body_touches().empty());
+    advance(later, 20);
+    CHECK(one.positions() == later.positions());
+    CHECK(one.events().size() == later.events().size());
   }
 }

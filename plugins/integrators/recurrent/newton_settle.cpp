@@ -179,8 +179,7 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
     Eigen::Map<NodeStep::Block>(inertia_.data() + 9 * std::size_t{k}) = network.mass[k] * NodeStep::Block::Identity();
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    const bool slides =
-        is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_friction(step, k));
+    const bool slides = is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_friction(step, k));
     if ((pinned_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;
