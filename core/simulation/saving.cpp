@@ -36,7 +36,9 @@ void Engine::archive(Archive& archive) {
   std::vector<std::uint64_t> left(left_behind_.begin(), left_behind_.end());
   left.resize(archive.count(left.size(), sizeof(std::uint64_t), "notes"));
   archive.numbers(left.data(), left.size());
-  if (archive.reads()) left_behind_ = {left.begin(), left.end()};
+  if (!archive.reads()) return;
+  left_behind_ = {left.begin(), left.end()};
+  sweep_.pairs().begin_step();
 }
 
 // The integrator, if it is another one than at the start. It is exchanged before anything else is taken up, which an

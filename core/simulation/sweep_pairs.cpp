@@ -390,6 +390,7 @@ springnet_status SweepPairs::commit(const State& before) {
   }
   model_.stale.forces = true;
   ++model_.load_revision;
+  begin_step();  // what asks for the linear system between steps gets that of the pairs that touch now
   return SPRINGNET_OK;
 }
 
