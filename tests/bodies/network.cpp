@@ -233,7 +233,7 @@ TEST_CASE("in the network bodies and obstacles carry each other, in long steps, 
   floor.friction = {Friction::Kind::coulomb, 0.5};
   net.add_plane(floor);
   net.set_gravity({0, 0, -g});
-  Simulation s = simulate(net, recurrent(automatic, 1e-5), 0.005);
+  Simulation s = simulate(net, recurrent(newton, 1e-5), 0.005);
   while (s.time() < 0.6) {
     s.step();
     if (s.steps() % 10 == 0) REQUIRE(count_crossings(net, s) == 0);
