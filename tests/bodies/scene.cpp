@@ -197,7 +197,8 @@ TEST_CASE(
   touch_all(net, frictionless);
   const Inspection found = inspect(net, *plugins(), {});
   CHECK(others > found.limits.size());
-  for (const TimeConstantLimit& each : found.limits) CHECK((each.integrator == "verlet" || each.integrator == "recurrent"));
+  for (const TimeConstantLimit& each : found.limits)
+    CHECK((each.integrator == "verlet" || each.integrator == "recurrent"));
   const auto names = [](const Hint& hint) { return hint.text.find("nodes 0 and 1 by 0.05 m") != std::string::npos; };
   CHECK(std::count_if(found.hints.begin(), found.hints.end(), names) == 1);
 }
