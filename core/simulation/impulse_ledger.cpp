@@ -89,6 +89,17 @@ springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, R
   return SPRINGNET_OK;
 }
 
+// What surfaces balance of the impulse of bodies on a node, with the sign of a reaction, N s: forces of bodies are part
+// of what surfaces are reported to exert, and no impulse besides.
+Vector3 ImpulseLedger::own_part_of_push(std::uint32_t node, const Placement& at) const {
+  const BodyPushes& pushes = model_.constraints.pushes();
+  if (pushes.count() == 0 || pushes.pushed()[node] == 0) return Vector3::Zero();
+  const Vector3 push = pushes.impulse(node);
+  if (!model_.contact.committed(node).slides) return -push;
+  const std::vector<Vector3> normals = model_.contact.normals(at, node, vector_at(model_.state.view.position, node));
+  return split_reaction(normals, push).tangential - push;
+}
+
 springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& before) {
   done_ = done;
   const double time = model_.time;
@@ -132,7 +143,7 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& bef
       Vector3 reaction;
       if (const springnet_status status = reactions().reported(k, reaction, &withheld_[k]); status != SPRINGNET_OK)
         return status;
-      impulses[k] -= done_.weight * reaction;
+      impulses[k] -= done_.weight * reaction + own_part_of_push(k, *at);
     }
     if (impulses[k].isZero(0.0)) continue;
     const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), ContactChange{{}, k, -1}, by_node);

@@ -51,6 +51,7 @@ class ImpulseLedger {
                                     const Vector3& impulse);
   // Books what the prescribed motion of a node needs beyond its accelerations.
   void book_motion(std::uint32_t node, const Placement& end);
+  [[nodiscard]] Vector3 own_part_of_push(std::uint32_t node, const Placement& at) const;
   // Rods gave the free nodes the impulses that forces, reactions and obstacles did not; the fixation of the other nodes
   // bears the opposite.
   springnet_status book_anchored(const AnchoredCluster& anchored, ReactionsAt& reactions);

@@ -24,7 +24,7 @@ LinearSweep::LinearSweep(layers::Linearisation& linearisation, const ConstraintS
     for (const std::uint32_t node : rigid.nodes_of(c)) island_of_[node] = static_cast<std::uint32_t>(c);
   }
   for (const ConstraintRow& row : constraints.rows()) {
-    if (row.is_pair) continue;  // how fast sweeps settle hangs on the pairs little
+    if (row.is_pair) continue;  // how fast sweeps settle depends little on the pairs
     std::uint32_t& island = island_of_[row.first];
     if (island == no_island) {
       island = static_cast<std::uint32_t>(islands_.size());

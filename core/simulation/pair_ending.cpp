@@ -1,6 +1,7 @@
 #include "simulation/pair_ending.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -90,8 +91,8 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
     if (ending.bounced) continue;
     row.by_rate = true;
     row.value = -ending.rebound;
-    // As before, if it rests. Else what it gave within the step may be taken back: where that moves nodes for a part of
-    // the step only, it takes more of it to keep them apart than to stop them.
+    // As before, if it rests. Else, at theta < 1, keeping a pair apart takes more impulse than stopping it; the excess
+    // may be taken back.
     if (ending.touched && step.in_halves) row.impulse = ending.impulse;
     if (!step.in_halves) row.least = -std::max(0.0, row.normal.dot(ending.impulse));
     apply(row, row.impulse, nodes);
@@ -100,6 +101,18 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   }
   const PairAccuracy accuracy{tolerance.accuracy, tolerance.gap, pair_patience, most_pair_iterations};
   if (solve(rows, nodes, step.length, accuracy).residual > tolerance.gap) return SPRINGNET_RECOVERABLE;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    // Friction of the whole step is in the cone of what is left of the normal impulse.
+    if (step.in_halves || !(rows[i].friction > 0.0) || !std::isfinite(rows[i].friction)) continue;
+    const Vector3 both = of_row[i]->impulse + rows[i].impulse;
+    const double along = rows[i].normal.dot(both);
+    const Vector3 across = both - along * rows[i].normal;
+    const double most = rows[i].friction * std::max(0.0, along), size = across.norm();
+    if (!(size > most * (1.0 + 1e-9))) continue;
+    const Vector3 change = (most / size - 1.0) * across;
+    rows[i].impulse += change;
+    apply(rows[i], change, nodes);
+  }
   const double no_rate = std::max(0.1 * tolerance.gap / step.length, model.no_speed());
   std::map<const EndingPair*, Vector3> last;  // N s, at the end
   std::map<const EndingPair*, bool> stays;

@@ -157,6 +157,7 @@ springnet_status Engine::commit(double time, State& state) {
   status = topology_.perform_due_ruptures();
   topology_.perform_due_cuts();
   changes_.perform_due();
+  sweep_.pairs().begin_step();  // linear systems between steps are of the pairs that touch now
   if (StepWatch* const watch = StepWatch::current(); watch != nullptr && status == SPRINGNET_OK)
     watch->committed(*this, decided);
   return status;

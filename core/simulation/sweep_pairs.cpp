@@ -26,7 +26,7 @@ constexpr int patience = 100;
 // Friction on faces that are on faces is not unique, and its cone couples it to what presses: sweeps may carry it
 // around for ever. After so many sweeps of a step, of newton and of the other rules, it follows by a share that falls
 // to zero, and then keeps its impulses.
-constexpr int patience_of_newton = 25, patience_of_others = 100, sweeps_to_rest = 20;
+constexpr int patience_of_newton = 25, patience_of_others = 60, sweeps_to_rest = 20;
 constexpr double falls_by = 0.8;
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
 constexpr double failed_gap = 300.0;
@@ -48,7 +48,10 @@ void SweepPairs::begin_step() {
   rows_.clear();
   contacts_.clear();
   known_.clear();
+  reactions_.clear();
+  on_obstacles_.clear();
   mobility_.clear();
+  no_list_.clear();
   sweeps_ = 0;
   friction_share_ = 1.0;
   model_.constraints.pushes().clear();
@@ -89,17 +92,25 @@ void SweepPairs::add(const springnet_sweep& sweep, proximity::PairKind kind, pro
   const std::size_t r = rows_.size() - 1;
   static_cast<void>(renew(r, sweep.next_position));
   know_inertia(sweep, rows_[r]);
-  // Restitution, as of obstacles: not of approaches that are no faster than what forces change within a step.
-  const auto along = [&](const auto& velocity) {
-    Vector3 sum = Vector3::Zero();
-    for (int i = 0; i < rows_[r].count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      sum += rows_[r].weights[k] * vector_at(velocity, rows_[r].nodes[k]);
-    }
-    return met.direction.dot(sum);
-  };
-  const double came = -along(sweep.start_velocity), gained = std::abs(along(sweep.next_velocity) + came);
-  if (came > gained) contacts_[r].rebound = model_.constraints.bodies().law_of(kind, pair).restitution * came;
+  for (int i = 0; i < rows_[r].count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    contacts_[r].came -= rows_[r].weights[k] * met.direction.dot(vector_at(sweep.start_velocity, rows_[r].nodes[k]));
+  }
+}
+
+// As of obstacles: not of approaches that are no faster than what other forces change within a step.
+double SweepPairs::rebound(std::size_t r, const springnet_vectors& velocity) const {
+  const PairRow& row = rows_[r];
+  const double came = contacts_[r].came;
+  double without = 0.0;  // m/s, its rate without bodies
+  for (int i = 0; i < row.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const std::uint32_t node = row.nodes[k];
+    const Vector3 push = model_.constraints.pushes().impulse(node);
+    without += row.weights[k] * row.normal.dot(vector_at(velocity, node) - mobility_[node] * push);
+  }
+  if (!(presses(row) && came > std::abs(without + came))) return 0.0;
+  return model_.constraints.bodies().law_of(row.kind, row.pair).restitution * came;
 }
 
 double SweepPairs::renew(std::size_t r, const springnet_vectors& position) {
@@ -140,8 +151,10 @@ bool SweepPairs::find(const springnet_sweep& sweep) {
                              end = positions_of(read_only(sweep.next_position), n);
   try {
     bodies.list().update(start, end);
-  } catch (const Error&) {
-    return false;  // outputs too far away for a list: the step does not settle there
+    no_list_.clear();
+  } catch (const Error& error) {  // outputs that are too far away, or bodies that collapse
+    no_list_ = error.what();
+    return false;
   }
   const proximity::Primitives& all = bodies.primitives();
   const unsigned threads = model_.evaluator.threads();
@@ -234,8 +247,9 @@ void SweepPairs::put_back(const springnet_sweep& sweep) {
     put_vector(sweep.constraint_force, k, vector_at(sweep.constraint_force, k) + added_[k]);
 }
 
-// Rows of the obstacles that pushed nodes are on, after those of pairs: what bodies and obstacles do to a node hangs on
-// each other. Obstacles that hold a node, and edges of several, count as they are.
+// Rows of the obstacles that pushed nodes are on, after those of pairs: what bodies and obstacles do to a node depends
+// on each other. In sweeps that leave contacts as they are, obstacles may pull. Obstacles that hold a node, and edges
+// of several, count as they are.
 void SweepPairs::add_obstacles(const springnet_sweep& sweep, const Placement& at) {
   on_obstacles_.clear();
   const Contact& contact = model_.contact;
@@ -244,7 +258,8 @@ void SweepPairs::add_obstacles(const springnet_sweep& sweep, const Placement& at
     const Touch touch = contact.now(k);
     OnObstacle on;
     if (!is_on_obstacle(model_, at, k, touch, vector_at(sweep.next_position, k), on)) continue;
-    if (on.sticks || contact.bounces(k) || sweep.constraint_force.x == nullptr) {
+    const bool decides = sweep.contacts == 0 || sweep.contacts == SPRINGNET_MAY_TOUCH;
+    if (on.sticks || !decides || contact.bounces(k) || sweep.constraint_force.x == nullptr) {
       on_obstacles_[k] = on;
       continue;
     }
@@ -252,7 +267,8 @@ void SweepPairs::add_obstacles(const springnet_sweep& sweep, const Placement& at
     row.nodes[0] = k;
     row.weights[0] = 1.0;
     row.count = 1;
-    row.impulse = weight_of(sweep) * vector_at(sweep.constraint_force, k);
+    row.impulse =
+        touch.slides ? Vector3(weight_of(sweep) * vector_at(sweep.constraint_force, k)) : contact.sweep_impulse(k);
     // Friction of a node that arrives is that of its landing, too, and stays what the obstacle says.
     if (contact.committed(k).has(touch.surface))
       row.friction = coefficient_of(contact.obstacles()[static_cast<std::size_t>(touch.surface)].friction());
@@ -309,7 +325,8 @@ void SweepPairs::find_impulses(const MovedNodes& nodes, double weight, const Pai
 
 void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   if (!model_.constraints.bodies().any()) return;
-  const int sweeps = ++sweeps_ - (of_newton ? patience_of_newton : patience_of_others);
+  if (!contacts_.empty()) ++sweeps_;
+  const int sweeps = sweeps_ - (of_newton ? patience_of_newton : patience_of_others);
   friction_share_ = sweeps <= 0 ? 1.0 : sweeps > sweeps_to_rest ? 0.0 : std::pow(falls_by, sweeps);
   const double weight = weight_of(sweep);
   length_ = sweep.time_constant;
@@ -321,13 +338,15 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   const auto finish = [&] {
     for (std::size_t i = 0; i < reactions_.size(); ++i) {
       const PairRow& row = rows_[contacts_.size() + i];
+      if (!model_.contact.now(row.nodes[0]).slides) continue;  // held: no force is reported
       const Vector3 more = (row.impulse - reactions_[i].before) / weight;
       put_vector(sweep.constraint_force, row.nodes[0], vector_at(sweep.constraint_force, row.nodes[0]) + more);
     }
     rows_.resize(contacts_.size());
     reactions_.clear();
   };
-  for (int round = 0; round < most_rounds; ++round) {
+  bool all_done = false;
+  for (int round = 0; round < most_rounds && !all_done; ++round) {
     if (reactions_.empty()) add_obstacles(sweep, *at);
     nodes.on_obstacles = on_obstacles_.empty() ? nullptr : &on_obstacles_;
     bool done = true;
@@ -335,7 +354,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
     // Friction has no say in gaps: it needs an iteration of its own.
     if (done && (round > 0 || contacts_.empty())) {
       finish();
-      if (!find(sweep)) break;
+      all_done = !find(sweep);
       continue;
     }
     push(sweep);
@@ -343,6 +362,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
     store_pushes();
   }
   finish();
+  if (!all_done) find(sweep);  // for the next one
   store_rows();
   if (sweep.constraint_force.x == nullptr) return;
   const BodyPushes& pushes = model_.constraints.pushes();
@@ -352,6 +372,10 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
 
 springnet_status SweepPairs::commit(const State& before) {
   BodyContacts& bodies = model_.constraints.bodies();
+  if (!no_list_.empty()) {
+    set_message(model_.journal.message, no_list_);
+    return SPRINGNET_RECOVERABLE;
+  }
   if (rows_.empty() && bodies.touching().empty()) return SPRINGNET_OK;
   const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
   const PairTolerances tolerance(model_);
@@ -362,9 +386,8 @@ springnet_status SweepPairs::commit(const State& before) {
     EndingPair& pair = pairs[{rows_[r].kind, rows_[r].pair}];
     pair.row = rows_[r];
     pair.impulse = rows_[r].impulse;
-    const double pressing = rows_[r].normal.dot(rows_[r].impulse);
-    if (pressing > 0.0) pair.rebound = contacts_[r].rebound;
-    if (const double gap = renew(r, position); gap < worst) {
+    pair.rebound = rebound(r, velocity);
+    if (const double gap = renew(r, position); gap < worst && !rows_[r].is_blocked) {
       worst = gap;
       deepest = r;
     }
@@ -377,7 +400,7 @@ springnet_status SweepPairs::commit(const State& before) {
       on_obstacles[k] = on;
   const MovedNodes nodes{position, velocity, &mobility_, nullptr, on_obstacles.empty() ? nullptr : &on_obstacles};
   const PairEnding ending{model_.time, length_, nodes, read_only(before.view.velocity), false};
-  const bool failed = worst < -failed_gap * tolerance.gap && !rows_[deepest].is_blocked;
+  const bool failed = worst < -failed_gap * tolerance.gap;
   if (failed || end_pairs(model_, ending, std::move(pairs)) != SPRINGNET_OK) {
     set_message(model_.journal.message,
                 fmt::format("the contacts of bodies, {} pairs, do not converge in a step of {:g} s{}; use a smaller "
@@ -390,7 +413,6 @@ springnet_status SweepPairs::commit(const State& before) {
   }
   model_.stale.forces = true;
   ++model_.load_revision;
-  begin_step();  // what asks for the linear system between steps gets that of the pairs that touch now
   return SPRINGNET_OK;
 }
 

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,7 @@ class SweepPairs {
   struct Known {
     proximity::Separation at;  // when they met, or at the start of the step
     double thickness;          // m
-    double rebound;            // m/s
+    double came;               // m/s, at the start of the step; 0 of a pair that touched then
   };
   void add(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& met);
   void add(const springnet_sweep& sweep, proximity::PairKind kind, proximity::Pair pair,
@@ -50,6 +51,8 @@ class SweepPairs {
   bool find(const springnet_sweep& sweep);
   // The gap of a row, m, which takes directions and weights from these positions.
   [[nodiscard]] double renew(std::size_t row, const springnet_vectors& position);
+  // Its speed after the step, m/s, at which it flies apart; from its velocities at the end.
+  [[nodiscard]] double rebound(std::size_t row, const springnet_vectors& velocity) const;
   void know_inertia(const springnet_sweep& sweep, const PairRow& row);
   // Gives nodes the impulses that the rows have now.
   void push(const springnet_sweep& sweep);
@@ -78,6 +81,7 @@ class SweepPairs {
   std::vector<proximity::MeetingPair> met_;
   int sweeps_ = 0;               // of the step
   double friction_share_ = 1.0;  // by which friction follows
+  std::string no_list_;          // why there is no list of neighbours for the outputs; empty: there is
   double length_ = 0.0;          // s, of the last sweep's step
 };
 

@@ -98,6 +98,7 @@ void Newton::settle(Step& step, const springnet_state* before) {
   call.force = outputs.force;
   if (network.surface_count > 0 || network.body_contact_count > 0) call.inertia = inertia_.data();
   if (is_early) call.contacts = SPRINGNET_MAY_TOUCH;
+  const bool was_constrained = step.constrained();
   work_.host.constrain(call);
   was_pinned_ = pinned_;
   const bool switched = find_pinned(step);
@@ -117,7 +118,8 @@ void Newton::settle(Step& step, const springnet_state* before) {
   Differing differing;
   differing.add(next.position, outputs.position, status_);
   differing.add(next.velocity, outputs.velocity, status_);
-  const bool changed = differing.any;
+  // Bodies may have come near without moving a node: accelerations without constraints are not known yet.
+  const bool changed = differing.any || (step.constrained() && !was_constrained);
   if (changed) {
     const bool may_follow =
         switched && network.rigid_count == 0 && before != nullptr && std::isfinite(at_outputs_.norm);

@@ -14,8 +14,13 @@ void Newton::begin(Step& step) {
   const bool same_nodes = std::equal(status_.begin(), status_.end(), network.status);
   const bool turning_rows =
       network.rigid_count > 0 || std::count(status_.begin(), status_.end(), SPRINGNET_SLIDING) > 0;
-  const bool keeps = linearised_ && !at_rejected_ && shift_ == 0.0 && kept_rate_ < fast_convergence && same_nodes &&
-                     !turning_rows && age_ < max_age && system_.has(step.weight(), 0.0);
+  // Pairs of bodies, at the end of the last step and now: their rows are in the system.
+  const auto presses = [](std::uint8_t pushed) { return pushed >= SPRINGNET_PUSHED; };
+  const bool any_pairs =
+      !pushed_.empty() && (std::any_of(pushed_.begin(), pushed_.end(), presses) ||
+                           std::any_of(network.pushed, network.pushed + network.node_count, presses));
+  const bool keeps = linearised_ && !any_pairs && !at_rejected_ && shift_ == 0.0 && kept_rate_ < fast_convergence &&
+                     same_nodes && !turning_rows && age_ < max_age && system_.has(step.weight(), 0.0);
   ++age_;
   if (exact_steps_ > 0) --exact_steps_;
   if (approximate_steps_ > 0) --approximate_steps_;

@@ -60,7 +60,7 @@ void Watch::after_sweep(const Step& step) {
 }
 
 void Watch::keep(const Step& step) {
-  best_ = measure(step);
+  best_ = step.constrained() ? std::numeric_limits<double>::infinity() : measure(step);
   if (step.constrained()) return;
   best_position_ = position_;
   store(step.outputs->velocity, step.network.node_count, best_velocity_);
