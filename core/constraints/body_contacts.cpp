@@ -265,6 +265,47 @@ void BodyContacts::archive(Archive& archive) {
   if (archive.reads() && any()) list_->forget();
 }
 
+void BodyContacts::take_over(const BodyContacts& before, const layers::NumbersBefore& numbers) {
+  if (before.touching_.empty()) return;
+  std::map<NodeIndex, NodeIndex> now;
+  numbers.for_each_node([&](std::uint32_t k, std::uint32_t old) { now[old] = k; });
+  // Places of the primitives by their nodes.
+  using Key = std::vector<NodeIndex>;
+  const auto places_of = [](const auto& primitives, const auto& nodes_of) {
+    std::map<Key, std::uint32_t> places;
+    for (std::uint32_t i = 0; i < primitives.size(); ++i) {
+      Key key = nodes_of(primitives[i]);
+      std::sort(key.begin(), key.end());
+      places[std::move(key)] = i;
+    }
+    return places;
+  };
+  const auto all_nodes = [](const auto& of) { return Key(of.nodes.begin(), of.nodes.end()); };
+  const auto balls = places_of(primitives().balls(), [](const proximity::Ball& ball) { return Key{ball.node}; });
+  const auto edges = places_of(primitives().edges(), all_nodes);
+  const auto triangles = places_of(primitives().triangles(), all_nodes);
+  for (PairTouch touch : before.touching_) {
+    const std::array<NodeIndex, 4> nodes = before.primitives().nodes_of(touch.kind, touch.pair);
+    const auto place_of = [&](int begin, int count) -> std::uint32_t {
+      Key key;
+      for (int i = begin; i < begin + count; ++i) key.push_back(now.at(nodes[static_cast<std::size_t>(i)]));
+      std::sort(key.begin(), key.end());
+      return (count == 1 ? balls : count == 2 ? edges : triangles).at(key);
+    };
+    const int first = proximity::first_nodes(touch.kind);
+    touch.pair = {place_of(0, first), place_of(first, proximity::second_nodes(touch.kind))};
+    if (touch.kind != proximity::PairKind::node_triangle && touch.pair.first > touch.pair.second) {
+      std::swap(touch.pair.first, touch.pair.second);
+      touch.force = -touch.force;
+      touch.guess = -touch.guess;
+    }
+    // Balls that a new spring joins touch no more.
+    if (primitives().may_touch(touch.kind, touch.pair)) touching_.push_back(touch);
+  }
+  std::sort(touching_.begin(), touching_.end(),
+            [](const PairTouch& a, const PairTouch& b) { return a.key() < b.key(); });
+}
+
 std::vector<StartingOverlap> starting_overlaps(const Network& network, std::size_t most) {
   std::vector<StartingOverlap> found;
   if (network.contacts().empty()) return found;

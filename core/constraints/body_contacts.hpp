@@ -1,6 +1,6 @@
 // Contact of bodies with each other and with themselves: what is checked against what, with which friction, and which
 // pairs touch at the committed state. Detection is the business of the room proximity; what pairs do in a step that of
-// an integrator's part in the room simulation (VerletPairs).
+// the room simulation (SweepPairs, VerletPairs).
 #pragma once
 
 #include <array>
@@ -13,6 +13,7 @@
 #include <springnet/network.hpp>
 
 #include "constraints/vectors.hpp"
+#include "layers/numbers_before.hpp"
 #include "proximity/near_pairs.hpp"
 #include "proximity/neighbour_list.hpp"
 #include "text/archive.hpp"
@@ -54,6 +55,8 @@ class BodyContacts {
   [[nodiscard]] std::string describe(proximity::PairKind kind, proximity::Pair pair) const;
   void set_touching(std::vector<PairTouch> touching) { touching_ = std::move(touching); }
   void archive(Archive& archive);
+  // Of the network before it was extended: pairs that touch go on touching.
+  void take_over(const BodyContacts& before, const layers::NumbersBefore& numbers);
 
  private:
   const std::vector<std::uint32_t>& user_number_;

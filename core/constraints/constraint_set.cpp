@@ -120,14 +120,11 @@ double ConstraintSet::coefficient(std::uint32_t node, std::size_t obstacle) cons
 
 void ConstraintSet::constrain(const Placement& end, std::uint32_t first, std::uint32_t count,
                               const springnet_sweep& sweep, const Vector3* read) {
-  for (std::uint32_t k = first; pushes_.count() > 0 && k < first + count; ++k) pushes_.apply(k, sweep, mass_[k]);
   contact_.constrain(end, first, count, sweep, rigid_.cluster_of(), read);
 }
 
 void ConstraintSet::constrain(const Placement& end, std::span<const std::uint32_t> nodes, const springnet_sweep& sweep,
                               const springnet_const_vectors& read) {
-  if (pushes_.count() > 0)
-    for (const std::uint32_t k : nodes) pushes_.apply(k, sweep, mass_[k]);
   contact_.constrain(end, nodes, sweep, read);
 }
 

@@ -78,8 +78,15 @@ class ConstraintSet {
   void limit_changes(const Placement& end, const springnet_sweep& sweep) {
     contact_.limit_changes(end, sweep, rigid_.cluster_of());
   }
-  // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain. Bodies that
-  // touch have pushed these before.
+  // Before what follows: bodies that touch push outputs of nodes [first, first + count).
+  void push(std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep) const {
+    for (std::uint32_t k = first; pushes_.count() > 0 && k < first + count; ++k) pushes_.apply(k, sweep, mass_[k]);
+  }
+  void push(std::span<const std::uint32_t> nodes, const springnet_sweep& sweep) const {
+    if (pushes_.count() > 0)
+      for (const std::uint32_t k : nodes) pushes_.apply(k, sweep, mass_[k]);
+  }
+  // Constrains outputs of nodes [first, first + count) without rigid connections, see Contact::constrain.
   void constrain(const Placement& end, std::uint32_t first, std::uint32_t count, const springnet_sweep& sweep,
                  const Vector3* read = nullptr);
   // The same for nodes of a list, none of which has rigid connections. read: [component][i] velocity that the update of
@@ -93,8 +100,8 @@ class ConstraintSet {
                                       springnet_message& message) const;
 
   // ---- small changes of a state ----
-  // Stores the constraint rows at these positions: rods first, then the surfaces on which nodes slide,
-  // then pairs of bodies that press on each other, as they are.
+  // Stores the constraint rows at these positions: rods first, then the surfaces on which nodes slide, then pairs of
+  // bodies that press on each other, as they were in the last sweep.
   void linearise(const Placement& at, const springnet_const_vectors& position);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return linearised_.rows; }
   // What linearise() stored, so that it can be set aside and put back.

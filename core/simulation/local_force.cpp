@@ -148,7 +148,17 @@ void LocalForceModel::linearise(const Handle& handle) {
   at.time = model_.time;
   at.position = read_only(state.position);
   at.velocity = read_only(state.velocity);
-  check(linear_.linearise(at, 0.0));
+  {
+    // The forces of bodies on each other stay: their rows are no part of the system.
+    BodyPushes& pushes = model_.constraints.pushes();
+    struct Aside {
+      BodyPushes& of;
+      std::vector<ConstraintRow> rows;
+      ~Aside() { of.set_rows(std::move(rows)); }
+    } const aside{pushes, pushes.rows()};
+    pushes.set_rows({});
+    check(linear_.linearise(at, 0.0));
+  }
   friction_.clear();
   curved_.clear();
   curvature_.clear();

@@ -76,6 +76,7 @@ springnet_status Sweep::constrain(const springnet_sweep& request) {
   const springnet_sweep sweep = complete(request);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
   note_done(sweep);
+  model_.constraints.push(0, model_.node_count(), sweep);
   model_.constraints.remember_contacts(sweep);
   if (sweep.contacts == SPRINGNET_AS_BEFORE || sweep.contacts == SPRINGNET_MAY_TOUCH) pairs_.take_out(sweep);
   model_.constraints.constrain(*at, 0, model_.node_count(), sweep);

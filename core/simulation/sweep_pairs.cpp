@@ -20,7 +20,8 @@ namespace {
 
 constexpr int most_rounds = 12;          // of a sweep: later ones go on
 constexpr double crossing_share = 1e-3;  // of the thickness: nearer than that, paths cross
-// What iterations aim at, in units of the accuracy at a commit: forces have to settle. After so many a sweep goes on.
+// Target of the iterations, relative to that at a commit, because forces have to settle; after `patience` iterations
+// the tolerance of gaps is enough.
 constexpr double sweep_accuracy = 1e-3;
 constexpr int patience = 100;
 // Friction on faces that are on faces is not unique, and its cone couples it to what presses: sweeps may carry it
@@ -77,7 +78,7 @@ void SweepPairs::add(proximity::PairKind kind, proximity::Pair pair, const proxi
     added_.assign(model_.node_count(), Vector3::Zero());
   }
   const PairRow row = row_of(bodies, kind, pair, met);
-  known_[{kind, pair}] = rows_.size();
+  known_.emplace(kind, pair);
   for (int i = 0; i < row.count; ++i)
     if (const std::uint32_t k = row.nodes[static_cast<std::size_t>(i)]; mobility_[k] > 0.0)
       model_.constraints.pushes().add_node(k);
@@ -366,7 +367,11 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   store_rows();
   if (sweep.constraint_force.x == nullptr) return;
   const BodyPushes& pushes = model_.constraints.pushes();
-  for (const std::uint32_t k : pushes.nodes()) added_[k] = pushes.impulse(k) / weight;
+  for (const std::uint32_t k : pushes.nodes()) {
+    const Touch& touch = model_.contact.now(k);
+    const bool is_held = touch.surface >= 0 && !touch.slides;  // no force is reported then
+    added_[k] = is_held ? Vector3(Vector3::Zero()) : Vector3(pushes.impulse(k) / weight);
+  }
   put_back(sweep);
 }
 

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,7 +74,7 @@ class SweepPairs {
   std::vector<Known> contacts_;                       // [pair]
   std::vector<Reaction> reactions_;                   // of obstacles
   std::map<std::uint32_t, OnObstacle> on_obstacles_;  // that are not among these
-  std::map<Key, std::size_t> known_;
+  std::set<Key> known_;
   std::vector<double> mobility_;  // [node] 1/kg; empty before the first pair
   std::vector<Matrix3> blocks_;   // likewise, of rules whose effective masses have directions
   std::vector<Vector3> added_;    // [node] N, to constraint forces

@@ -106,6 +106,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::uint32_t first, s
   if (in_place) read = {nodes.vx[first], nodes.vy[first], nodes.vz[first]};
   if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
   const profile::Part part("constraints");
+  model.constraints.push(first, count, *sweep);
   model.constraints.constrain(*at, first, count, *sweep, in_place ? &read : nullptr);
   if (in_place) return SPRINGNET_OK;
   // While they are in the first-level cache: a commit then need not look for them in memory.
@@ -133,6 +134,7 @@ springnet_status Sweep::Tiles::update(std::uint32_t unit, std::span<const std::u
     batch.nodes = sweep->lists != 0 ? list.data() : nullptr;
     if (const springnet_status updated = call_update(*sweep, batch, message); updated != SPRINGNET_OK) return updated;
     const profile::Part part("constraints");
+    model.constraints.push(list.subspan(begin, step), *sweep);
     model.constraints.constrain(*at, list.subspan(begin, step), *sweep,
                                 {own.v[0] + begin, own.v[1] + begin, own.v[2] + begin});
   }

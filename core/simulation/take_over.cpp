@@ -45,6 +45,7 @@ void Model::take_over(const Model& before, const Network& network) {
   contact.take_over(before.contact, numbers);
   journal.take_over(before.journal, numbers);
   recent_touches.take_over(before.recent_touches, numbers);
+  constraints.bodies().take_over(before.constraints.bodies(), numbers);
 
   const std::shared_ptr<const Placement> at = placement_now();
   const Prescribed& prescribed = contact.prescribed();
@@ -117,6 +118,7 @@ void Engine::take_over(const Engine& before, const Network& network) {
   if (found.force > other_size * model_.scales.force) model_.scales.force = found.force;
   topology_.perform_due_cuts();
   changes_.perform_due();
+  sweep_.pairs().begin_step();
 }
 
 }  // namespace springnet

@@ -105,29 +105,11 @@ TEST_CASE("of a row of balls only the last one flies off") {
 }
 
 TEST_CASE("balls rest on each other, and what carries them feels their weight") {
-  const double g = 9.81, m = 0.3, radius = 0.1;
-  Network net;
-  add_ball(net, "ground", {0, 0, 0}, at_rest, 1.0, radius, true);
+  const double m = 0.3, radius = 0.1;
   const int count = 4;
-  for (int i = 0; i < count; ++i)
-    add_ball(net, "ball " + std::to_string(i), {0, 0, 2.0 * radius * (i + 1)}, at_rest, m, radius);
-  touch_all(net, frictionless);
-  net.set_gravity({0, 0, -g});
-  Simulation s = simulate(net, verlet, 0.01);
+  Simulation s = simulate(pile_of_balls(count, m, radius), verlet, 0.01);
   advance(s, 300);
-  for (NodeIndex k = 1; k <= count; ++k) {
-    CAPTURE(k);
-    CHECK(s.position(k)[2] == doctest::Approx(2.0 * radius * k).epsilon(1e-7));  // the tolerance of gaps, 1e-8
-    CHECK(s.velocity(k).norm() <= 1e-6);
-  }
-  const std::vector<BodyTouch> touches = s.body_touches();
-  REQUIRE(touches.size() == count);
-  for (const BodyTouch& each : touches) {
-    const NodeIndex above = std::max(each.nodes[0], each.nodes[1]);
-    CAPTURE(above);
-    CHECK(each.force.norm() == doctest::Approx((count + 1.0 - above) * m * g).epsilon(1e-5));
-    CHECK(std::abs(each.normal[2]) == doctest::Approx(1.0));
-  }
+  check_pile(s, count, m, radius);
 }
 
 TEST_CASE("a moved ball pushes another one along, with the force that this takes") {

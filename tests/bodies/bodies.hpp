@@ -1,11 +1,14 @@
 // Bodies that touch each other, for tests.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <doctest/doctest.h>
 #include <Eigen/Geometry>
 
 #include <springnet/network.hpp>
@@ -110,6 +113,78 @@ inline Vector3 angular_momentum(const Network& net, const Simulation& s) {
 
 inline void advance(Simulation& s, int steps) {
   for (int i = 0; i < steps; ++i) s.step();
+}
+
+// Soft blocks of 27 nodes above each other, which fall onto a floor, all with friction.
+inline Network dropped_blocks(int count, double mass) {
+  Network net;
+  for (int i = 0; i < count; ++i)
+    add_block(net, "block " + std::to_string(i), 3, 0.1, {0.007 * (i % 2), 0.011 * (i % 3), 0.005 + 0.23 * i}, at_rest,
+              mass, 0.01, 1500.0, 1.0);
+  touch_all(net, {Friction::Kind::coulomb, 0.5});
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, 0.5};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -9.81});
+  return net;
+}
+
+// Balls of this mass and radius on each other, on a fixed one; node k is the k-th above it.
+inline Network pile_of_balls(int count, double mass, double radius) {
+  Network net;
+  add_ball(net, "ground", {0, 0, 0}, at_rest, 1.0, radius, true);
+  for (int i = 0; i < count; ++i)
+    add_ball(net, "ball " + std::to_string(i), {0, 0, 2.0 * radius * (i + 1)}, at_rest, mass, radius);
+  touch_all(net, frictionless);
+  net.set_gravity({0, 0, -9.81});
+  return net;
+}
+
+// That they rest where they were, and each touch carries the weight above it.
+inline void check_pile(const Simulation& s, int count, double mass, double radius) {
+  for (NodeIndex k = 1; k <= static_cast<NodeIndex>(count); ++k) {
+    CAPTURE(k);
+    CHECK(s.position(k)[2] == doctest::Approx(2.0 * radius * k).epsilon(1e-7));  // the tolerance of gaps, 1e-8
+    CHECK(s.velocity(k).norm() <= 1e-6);
+  }
+  const std::vector<BodyTouch> touches = s.body_touches();
+  REQUIRE(touches.size() == static_cast<std::size_t>(count));
+  for (const BodyTouch& each : touches) {
+    const NodeIndex above = std::max(each.nodes[0], each.nodes[1]);
+    CAPTURE(above);
+    CHECK(each.force.norm() == doctest::Approx((count + 1.0 - above) * mass * 9.81).epsilon(1e-5));
+    CHECK(std::abs(each.normal[2]) == doctest::Approx(1.0));
+  }
+}
+
+// That a run is the same in all bits for one thread and three, goes on so after a saved state, and where the network is
+// extended by nothing; bodies touch after the first steps.
+inline void check_bits(const Network& net, const LawUse& integrator, double time_step, int first, int then) {
+  const auto start = [&](unsigned threads) {
+    SimulationOptions options;
+    options.time_step = time_step;
+    options.integrator = integrator;
+    options.threads = threads;
+    return Simulation(net, plugins(), options);
+  };
+  Simulation one = start(1), three = start(3);
+  advance(one, first);
+  advance(three, first);
+  REQUIRE(!one.body_touches().empty());
+  CHECK(one.positions() == three.positions());
+  const std::string saved = one.save();
+  advance(one, then);
+  Simulation later = start(1);
+  later.restore(saved);
+  REQUIRE(!later.body_touches().empty());
+  advance(later, then);
+  CHECK(one.positions() == later.positions());
+  CHECK(one.events().size() == later.events().size());
+  three.extend([](Network&) {});
+  CHECK(!three.body_touches().empty());
+  advance(three, then);
+  CHECK(one.positions() == three.positions());
+  CHECK(one.events().size() == three.events().size());
 }
 
 }  // namespace springnet::testing

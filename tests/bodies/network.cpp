@@ -53,31 +53,15 @@ TEST_CASE("in the network two balls in a line exchange what Newton's law of impa
 
 TEST_CASE("in the network balls rest on each other, and what carries them feels their weight, by every rule") {
   const double m = 0.3, radius = 0.1;
-  Network net;
-  add_ball(net, "ground", {0, 0, 0}, at_rest, 1.0, radius, true);
   const int count = 4;
-  for (int i = 0; i < count; ++i)
-    add_ball(net, "ball " + std::to_string(i), {0, 0, 2.0 * radius * (i + 1)}, at_rest, m, radius);
-  touch_all(net, frictionless);
-  net.set_gravity({0, 0, -g});
+  const Network net = pile_of_balls(count, m, radius);
   for (const std::string rule : update_rules) {
     for (const double theta : {1.0, 0.5}) {
       CAPTURE(rule);
       CAPTURE(theta);
       Simulation s = simulate(net, recurrent(update_named(rule), 1e-10, {{"theta", theta}}), 0.01);
       advance(s, 100);
-      for (NodeIndex k = 1; k <= count; ++k) {
-        CAPTURE(k);
-        CHECK(s.position(k)[2] == doctest::Approx(2.0 * radius * k).epsilon(1e-7));  // the tolerance of gaps, 1e-8
-        CHECK(s.velocity(k).norm() <= 1e-6);
-      }
-      const std::vector<BodyTouch> touches = s.body_touches();
-      REQUIRE(touches.size() == count);
-      for (const BodyTouch& each : touches) {
-        const NodeIndex above = std::max(each.nodes[0], each.nodes[1]);
-        CAPTURE(above);
-        CHECK(each.force.norm() == doctest::Approx((count + 1.0 - above) * m * g).epsilon(1e-5));
-      }
+      check_pile(s, count, m, radius);
       CHECK(s.reaction(0)[2] == doctest::Approx((1.0 + count * m) * g).epsilon(1e-5));
     }
   }
@@ -222,17 +206,9 @@ TEST_CASE("in the network a node that is fired at a sheet at a hundred thickness
 }
 
 TEST_CASE("in the network bodies and obstacles carry each other, in long steps, and none enters another") {
-  Network net;
   const int count = 3;
   const double mass = 0.02;
-  for (int i = 0; i < count; ++i)
-    add_block(net, "block " + std::to_string(i), 3, 0.1, {0.007 * (i % 2), 0.011 * (i % 3), 0.005 + 0.23 * i}, at_rest,
-              mass, 0.01, 1500.0, 1.0);
-  touch_all(net, {Friction::Kind::coulomb, 0.5});
-  Plane floor;
-  floor.friction = {Friction::Kind::coulomb, 0.5};
-  net.add_plane(floor);
-  net.set_gravity({0, 0, -g});
+  const Network net = dropped_blocks(count, mass);
   Simulation s = simulate(net, recurrent(newton, 1e-5), 0.005);
   while (s.time() < 0.6) {
     s.step();
@@ -275,26 +251,7 @@ TEST_CASE("in the network contact of bodies has the same bits for every number o
   touch(net, 0, 1, {Friction::Kind::coulomb, 0.3});
   for (const std::string rule : {"synchronous", "coloured", "newton"}) {
     CAPTURE(rule);
-    const auto start = [&](unsigned threads) {
-      SimulationOptions options;
-      options.time_step = 0.001;
-      options.integrator = recurrent(update_named(rule), 1e-7);
-      options.threads = threads;
-      return Simulation(net, plugins(), options);
-    };
-    Simulation one = start(1), three = start(3);
-    advance(one, 60);
-    advance(three, 60);
-    REQUIRE(!one.body_touches().empty());
-    CHECK(one.positions() == three.positions());
-    const std::string saved = one.save();
-    advance(one, 20);
-    Simulation later = start(1);
-    later.restore(saved);
-    REQUIRE(!later.body_touches().empty());
-    advance(later, 20);
-    CHECK(one.positions() == later.positions());
-    CHECK(one.events().size() == later.events().size());
+    check_bits(net, recurrent(update_named(rule), 1e-7), 0.001, 60, 20);
   }
 }
 

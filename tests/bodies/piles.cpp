@@ -14,17 +14,9 @@ using namespace springnet;
 using namespace springnet::testing;
 
 TEST_CASE("a dropped stack of soft blocks comes to rest, none enters another, and the floor carries all") {
-  Network net;
   const int count = 4;
   const double mass = 0.02;
-  for (int i = 0; i < count; ++i)
-    add_block(net, "block " + std::to_string(i), 3, 0.1, {0.007 * (i % 2), 0.011 * (i % 3), 0.005 + 0.23 * i}, at_rest,
-              mass, 0.01, 1500.0, 1.0);
-  touch_all(net, {Friction::Kind::coulomb, 0.5});
-  Plane floor;
-  floor.friction = {Friction::Kind::coulomb, 0.5};
-  net.add_plane(floor);
-  net.set_gravity({0, 0, -9.81});
+  const Network net = dropped_blocks(count, mass);
   Simulation s = simulate(net, verlet, 0.001);
   double carried = 0.0;  // N s
   while (s.time() < 2.0) {

@@ -98,24 +98,5 @@ TEST_CASE("contact of bodies has the same bits for every number of threads, and 
   add_block(net, "left", 5, 0.1, {-0.45, 0.03, 0.02}, {1.5, 0, 0.1}, 0.02, 0.01, 300.0, 0.05);
   add_block(net, "right", 5, 0.08, {0.0, 0.0, 0.0}, {-0.5, 0.2, 0}, 0.02, 0.006, 300.0, 0.05);
   touch(net, 0, 1, {Friction::Kind::coulomb, 0.3});
-  const auto start = [&](unsigned threads) {
-    SimulationOptions options;
-    options.time_step = 0.001;
-    options.integrator = verlet;
-    options.threads = threads;
-    return Simulation(net, plugins(), options);
-  };
-  Simulation one = start(1), three = start(3);
-  advance(one, 60);
-  advance(three, 60);
-  REQUIRE(!one.body_touches().empty());
-  CHECK(one.positions() == three.positions());
-  const std::string saved = one.save();
-  advance(one, 60);
-  Simulation later = start(1);
-  later.restore(saved);
-  REQUIRE(!later.body_touches().empty());
-  advance(later, 60);
-  CHECK(one.positions() == later.positions());
-  CHECK(one.events().size() == later.events().size());
+  check_bits(net, verlet, 0.001, 60, 60);
 }

@@ -467,12 +467,12 @@ class SPRINGNET_API Simulation {
 
   // The local force model of a fixed or moved node, or of a surface: its force now, and the change of that force at the
   // end of a backward Euler step of `over` seconds (0: the time step) had it arrived elsewhere, with all else in
-  // contact as it is: the Schur complement of the step's linear system, for `recurrent` with theta = 1 (its accuracy:
-  // propagation.md). A long `over` gives the stiffness at rest, a short one that of the nearest springs and dampers. It
-  // is symmetric where forces have a potential and no friction acts; it need not be definite. The motion of the network
-  // does not change. Costs about as much as a step. Throws Error(input) for a free node, a surface that does not exist,
-  // an `over` below 0, above 1e100 s or not a number; Error(simulation) if a law has no derivatives or the systems
-  // cannot be solved, as where the network buckles.
+  // contact as it is, and bodies exerting the same forces on each other: the Schur complement of the step's linear
+  // system, for `recurrent` with theta = 1 (its accuracy: propagation.md). A long `over` gives the stiffness at rest, a
+  // short one that of the nearest springs and dampers. It is symmetric where forces have a potential and no friction
+  // acts; it need not be definite. The motion of the network does not change. Costs about as much as a step. Throws
+  // Error(input) for a free node, a surface that does not exist, an `over` below 0, above 1e100 s or not a number;
+  // Error(simulation) if a law has no derivatives or the systems cannot be solved, as where the network buckles.
   [[nodiscard]] LocalForce local_force(NodeIndex node, double over = 0.0);
   [[nodiscard]] LocalForce local_surface_force(std::size_t surface, double over = 0.0);
 

@@ -493,8 +493,7 @@ springnet_status Linearisation::solve(bool transposed, const double* right_side,
       });
     }
   }
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t c = 0; c < 3; ++c) x[c * n + k] = solution[at(k, c)];
+  for (std::size_t i = 0; i < 3 * n; ++i) x[i] = solution[at(i % n, i / n)];
   return SPRINGNET_OK;
 }
 

@@ -82,7 +82,7 @@ void Newton::settle(Step& step, const springnet_state* before) {
     std::copy_n(p[axis], n, next_p[axis]);
     if (!step.constrained()) continue;
     for (std::size_t k = 0; k < n; ++k) {
-      if (!is_partly_constrained(step, k) && !is_pushed(step, k)) continue;
+      if (!is_partly_constrained(step, k)) continue;
       // Undo the constraints: the host finds the constraint force from the unconstrained output.
       const std::size_t i = axis * n + k;
       if (!joined_without_friction(step, k)) next_u[axis][k] -= at_outputs_.free[i] - at_outputs_.residual[i];
@@ -135,8 +135,9 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (switched || differing.beside_sliding || is_early) ++decisions_;
   switched_ = switched;
   if (!changed && !switched && !step.constrained()) return;
-  // The derivatives may belong to another set of free nodes.
-  if (switched && network.rigid_count == 0) linearised_ = false;
+  // The derivatives may belong to another set of free nodes, or of pairs that press: of several on the same nodes the
+  // flags do not show which.
+  if ((switched || step.is_pushed()) && network.rigid_count == 0) linearised_ = false;
   assess(step, *step.outputs, at_outputs_);
   if (switched) rate_ = 1.0;
   if (switched || before == nullptr) {
