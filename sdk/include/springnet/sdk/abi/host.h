@@ -487,8 +487,8 @@ typedef struct springnet_host {
    * velocity Verlet step, by `contacts`. 2, the drift: `force` is that at the start, next_velocity v + h/2 a and
    * next_position p + h (v + h/2 a). Nodes in contact, and those rigidly connected to them, are corrected; `status`
    * then tells which nodes are in contact. 3, the kick, once after the drift: `force` is that at next_position,
-   * next_velocity the velocity at the end, corrected likewise; contacts are made and released. Both
-   * also keep bodies apart from each other; call them where surface_count or body_contact_count is not 0. */
+   * next_velocity the velocity at the end, corrected likewise; contacts are made and released. Both also
+   * keep bodies apart from each other; call them where surface_count or body_contact_count is not 0. */
   springnet_status (*constrain)(void* context, const springnet_sweep* sweep);
   springnet_status (*project)(void* context, const springnet_projection* projection);
   springnet_status (*project_state)(void* context, const springnet_state_projection* projection);

@@ -186,8 +186,8 @@ typedef struct springnet_sweep {
    * its new velocity by dv = M^-1 J. The update writes that of its nodes. Null: the neurons' own (mass). */
   const double* inertia;
   /* out, N: what rigid connections, surfaces, friction and bodies in contact add to the net force of each node at the
-   * end of the step, so that m (U - v) / time_constant = (1 - theta) m a_start + theta (force + this); 0 for nodes that are fixed or
-   * held. Null: not wanted. */
+   * end of the step, so that m (U - v) / time_constant = (1 - theta) m a_start + theta (force + this); 0 for nodes
+   * that are fixed or held. Null: not wanted. */
   springnet_vectors constraint_force;
   uint32_t contacts; /* 0: the sweep decides which nodes stick, slide and separate; 1: they stay as committed, for
                         methods that locate such events in time; in `constrain` also 2, 3 (see there) and
