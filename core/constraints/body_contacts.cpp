@@ -39,13 +39,6 @@ class Collection {
       mark(contact.first, 2 * c);
       mark(contact.second.empty() ? contact.first : contact.second, 2 * c + 1);
     }
-    for (const Rigid& rod : network.rigids())
-      for (const NodeIndex node : {rod.first, rod.second})
-        if (is_any(sides_[node]))
-          throw Error(ErrorKind::input,
-                      fmt::format("node {} has rigid connections and is in contact with other bodies, which is not "
-                                  "possible yet: leave such nodes out of [[contact]], or make their springs stiff",
-                                  node));
   }
 
   void collect() {
@@ -56,6 +49,7 @@ class Collection {
     check_sides();
     for (const SpringList::Ends& ends : network_.springs().ends())
       lists.joined.push_back({engine_[ends[0]], engine_[ends[1]]});
+    for (const Rigid& rod : network_.rigids()) lists.joined.push_back({engine_[rod.first], engine_[rod.second]});
   }
 
   proximity::PrimitiveLists lists;
@@ -213,6 +207,7 @@ BodyContacts::BodyContacts(const Network& network, const std::vector<std::uint32
                            const std::vector<std::uint32_t>& engine_number)
     : user_number_(user_number), contacts_(network.contacts()) {
   if (contacts_.empty()) return;
+  any_rigid_ = are_any_rigid(network);
   Collection collection(network, engine_number);
   collection.collect();
   groups_ = collection.groups();
@@ -324,6 +319,16 @@ std::vector<StartingOverlap> starting_overlaps(const Network& network, std::size
     if (const double depth = -each.gap; depth > 2.0 * gap_tolerance * bodies.least_thickness())
       found.push_back({bodies.describe(each.kind, each.pair), depth});
   return found;
+}
+
+bool are_any_rigid(const Network& network) {
+  std::vector<std::uint8_t> joined(network.nodes().size(), 0);
+  for (const Rigid& rod : network.rigids()) joined[rod.first] = joined[rod.second] = 1;
+  const auto is_joined = [&](NodeIndex node) { return joined[node] != 0; };
+  return std::any_of(network.contacts().begin(), network.contacts().end(), [&](const BodyContact& contact) {
+    return std::any_of(contact.first.begin(), contact.first.end(), is_joined) ||
+           std::any_of(contact.second.begin(), contact.second.end(), is_joined);
+  });
 }
 
 void check_apart(const Network& network) {

@@ -40,6 +40,7 @@ class BodyContacts {
                const std::vector<std::uint32_t>& engine_number);
 
   [[nodiscard]] bool any() const noexcept { return list_ != nullptr; }
+  [[nodiscard]] bool any_rigid() const noexcept { return any_rigid_; }
   [[nodiscard]] std::size_t count() const noexcept { return contacts_.size(); }
   [[nodiscard]] const BodyContact& contact(std::size_t number) const { return contacts_[number]; }
   [[nodiscard]] proximity::NeighbourList& list() noexcept { return *list_; }
@@ -64,10 +65,13 @@ class BodyContacts {
   std::size_t groups_ = 0;
   std::vector<std::uint32_t> law_of_groups_;        // [group, group] place in contacts_
   double least_thickness_ = 0.0;                    // m
+  bool any_rigid_ = false;                          // some of their nodes have rigid connections
   std::unique_ptr<proximity::NeighbourList> list_;  // null: no contacts
   std::vector<PairTouch> touching_;
 };
 
+// Whether some of the nodes in contact have rigid connections.
+[[nodiscard]] bool are_any_rigid(const Network& network);
 // Throws Error (input) if bodies of this network begin in each other, further than rounding: names the deepest pair.
 void check_apart(const Network& network);
 // Such pairs, the deepest first.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/vectors.hpp"
+
 namespace springnet {
 
 Vector3 relative(const PairRow& row, const springnet_vectors& values) {
@@ -29,22 +31,60 @@ double norm_of(std::uint32_t node, const MovedNodes& nodes) {
   return (*nodes.mobility)[node] > 0.0 ? (*nodes.blocks)[node].norm() : 0.0;
 }
 
+// 1/kg, of the pair in all directions, as far as its nodes have rigid connections: several may be in one cluster.
+Matrix3 cluster_mobility(const PairRow& row, const MovedNodes& nodes) {
+  Matrix3 sum = Matrix3::Zero();
+  for (int i = 0; i < row.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const ClusterResponses::Place* const moved = nodes.in_cluster(row.nodes[k]);
+    for (int j = 0; moved != nullptr && j < row.count; ++j) {
+      const auto l = static_cast<std::size_t>(j);
+      if (const ClusterResponses::Place* const struck = nodes.in_cluster(row.nodes[l]))
+        sum += row.weights[k] * row.weights[l] * nodes.clusters->between(*moved, *struck);
+    }
+  }
+  return sum;
+}
+
+void change_by(const Vector3& change, double lever, std::uint32_t node, const MovedNodes& nodes) {
+  put_vector(nodes.velocity, node, vector_at(nodes.velocity, node) + change);
+  if (lever > 0.0) put_vector(nodes.position, node, vector_at(nodes.position, node) + lever * change);
+}
+
 }  // namespace
 
 bool set_mobility(PairRow& row, const MovedNodes& nodes) {
   row.mobility = row.across = 0.0;
+  row.coupled = cluster_mobility(row, nodes);
+  const bool is_coupled = !row.coupled.isZero(0.0);
   for (int i = 0; i < row.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
+    if (nodes.in_cluster(row.nodes[k]) != nullptr) continue;
     const double square = row.weights[k] * row.weights[k];
     const OnObstacle* const on = held_back(row, k, nodes);
     if (on != nullptr && on->sticks) continue;
-    Vector3 change = nodes.change(row.nodes[k], row.normal);
-    if (on != nullptr) change -= on->normal * on->normal.dot(change);
-    row.mobility += square * row.normal.dot(change);
+    const auto change_by_unit = [&](const Vector3& direction) {
+      const Vector3 change = nodes.change(row.nodes[k], direction);
+      return on == nullptr ? change : Vector3(change - on->normal * on->normal.dot(change));
+    };
+    row.mobility += square * row.normal.dot(change_by_unit(row.normal));
     row.across += square * (nodes.blocks == nullptr ? (*nodes.mobility)[row.nodes[k]] : norm_of(row.nodes[k], nodes));
+    for (Eigen::Index c = 0; is_coupled && c < 3; ++c) row.coupled.col(c) += square * change_by_unit(Vector3::Unit(c));
   }
-  // What is pressed onto obstacles from both sides cannot be moved along its normal.
+  if (is_coupled) {
+    row.mobility = row.normal.dot(row.coupled * row.normal);
+    row.across = row.coupled.norm();
+  }
+  // What is pressed onto obstacles from both sides, or belongs to one rigid body, cannot be moved along its normal.
   return row.mobility > 1e-12 * row.across;
+}
+
+void push(std::uint32_t node, const Vector3& impulse, double lever, const MovedNodes& nodes) {
+  if (const ClusterResponses::Place* const place = nodes.in_cluster(node))
+    nodes.clusters->for_each_change(
+        *place, impulse, [&](std::uint32_t moved, const Vector3& change) { change_by(change, lever, moved, nodes); });
+  else
+    change_by(nodes.change(node, impulse), lever, node, nodes);
 }
 
 void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes) {
@@ -52,20 +92,53 @@ void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes) 
     const auto k = static_cast<std::size_t>(i);
     const std::uint32_t node = row.nodes[k];
     if (row.weights[k] * (*nodes.mobility)[node] == 0.0) continue;
-    Vector3 change = nodes.change(node, row.weights[k] * impulse);
-    if (const OnObstacle* const on = held_back(row, k, nodes); on != nullptr) {
-      if (on->sticks) continue;
-      change -= on->normal * on->normal.dot(change);
+    const OnObstacle* const on = held_back(row, k, nodes);
+    if (on == nullptr) {
+      push(node, row.weights[k] * impulse, row.lever, nodes);
+    } else if (!on->sticks) {
+      const Vector3 change = nodes.change(node, row.weights[k] * impulse);
+      change_by(change - on->normal * on->normal.dot(change), row.lever, node, nodes);
     }
-    put_vector(nodes.velocity, node, vector_at(nodes.velocity, node) + change);
-    if (row.lever > 0.0) put_vector(nodes.position, node, vector_at(nodes.position, node) + row.lever * change);
   }
 }
 
 namespace {
 
-// One Gauss-Seidel iteration over all rows. Returns the greatest change of a gap or of a slip, m.
-double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length) {
+// The impulse of a row whose nodes turn with rigid bodies: friction then changes what presses, and the other way round,
+// so that both are found together. rate: m/s, of the pair. missing: m/s, along the normal.
+Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing) {
+  constexpr int most = 50;
+  constexpr double accuracy = 1e-12;
+  Vector3 impulse = row.impulse;
+  const auto change = [&](const Vector3& by) {
+    const Vector3 response = row.coupled * by;
+    impulse += by;
+    rate += response;
+    missing -= row.normal.dot(response);
+  };
+  for (int i = 0; i < most; ++i) {
+    const Vector3 before = impulse;
+    const double pressing = row.normal.dot(impulse), along = std::max(row.least, pressing + missing / row.mobility);
+    change((along - pressing) * row.normal);
+    if (!row.keeps_across || !(along > 0.0)) {
+      const Vector3 slip = rate - row.normal * row.normal.dot(rate), now = impulse - along * row.normal;
+      Vector3 across = row.friction > 0.0 && along > 0.0 ? Vector3(now - slip / row.across) : Vector3(Vector3::Zero());
+      across -= row.normal * row.normal.dot(across);
+      const double size = across.norm(), limit = along > 0.0 ? row.friction * along : 0.0;
+      if (size > limit) across *= limit / size;
+      change(across - now);
+    }
+    if ((impulse - before).norm() <= accuracy * impulse.norm()) break;
+  }
+  return impulse;
+}
+
+// Where rigid bodies turn, what presses and friction change each other. Solving for both at once is slower where pairs
+// are redundant, and converges where one after the other does not: it follows after so many iterations.
+constexpr int patience_with_coupled = 300;
+
+// One Gauss-Seidel iteration over all rows. together: see above. Returns the greatest change of a gap or of a slip, m.
+double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, bool together) {
   double greatest = 0.0;
   for (PairRow& row : rows) {
     if (row.is_done || row.is_blocked) continue;
@@ -74,7 +147,9 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length)
                                        : -(row.value + row.normal.dot(relative(row, nodes.position))) / row.lever;
     const double before = row.normal.dot(row.impulse), along = std::max(row.least, before + missing / row.mobility);
     Vector3 impulse = along * row.normal;
-    if (row.keeps_across && along > 0.0) {
+    if (together && !row.coupled.isZero(0.0)) {
+      impulse = coupled_impulse(row, rate, missing);
+    } else if (row.keeps_across && along > 0.0) {
       impulse += row.impulse - before * row.normal;
     } else if (row.friction > 0.0 && along > 0.0) {
       // What would end the slip, within the cone.
@@ -101,8 +176,9 @@ PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double l
   std::vector<Vector3> before(rows.size()), along(rows.size(), Vector3::Zero());
   double last = 0.0;  // square of the step before
   for (; found.iterations < accuracy.most; ++found.iterations) {
+    if (found.iterations == patience_with_coupled) last = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r) before[r] = rows[r].impulse;
-    found.residual = relax(rows, nodes, length);
+    found.residual = relax(rows, nodes, length, found.iterations >= patience_with_coupled);
     if (found.residual <= (found.iterations < accuracy.patience ? accuracy.wanted : accuracy.enough)) break;
     if (found.iterations + 1 == accuracy.most) continue;  // the last one has to be in the cones
     // Steps add up along conjugate directions while they become shorter.

@@ -14,6 +14,7 @@
 #include <springnet/network.hpp>
 
 #include "constraints/body_contacts.hpp"
+#include "constraints/cluster_responses.hpp"
 #include "constraints/obstacle.hpp"
 
 namespace springnet {
@@ -39,6 +40,8 @@ struct PairRow {
   Vector3 impulse = Vector3::Zero();  // N s
   double mobility = 0.0;              // 1/kg, of the pair along the normal
   double across = 0.0;                // 1/kg, and along each other, at most
+  // 1/kg, of the pair in all directions, if some of its nodes have rigid connections; else zero
+  Matrix3 coupled = Matrix3::Zero();
 };
 
 // What an obstacle lets a node on it do.
@@ -56,8 +59,14 @@ struct MovedNodes {
   // [node] A pair pushes those that are on obstacles along them only, or not at all, unless it pushes them off. Null:
   // none is.
   const std::map<std::uint32_t, OnObstacle>* on_obstacles = nullptr;
+  // Of nodes with rigid connections, whose obstacles these know. Null: none has any.
+  const ClusterResponses* clusters = nullptr;
 
-  // Its change of velocity, m/s, by an impulse, N s.
+  // Null: it moves alone.
+  [[nodiscard]] const ClusterResponses::Place* in_cluster(std::uint32_t node) const {
+    return clusters == nullptr ? nullptr : clusters->find(node);
+  }
+  // Of a node that moves alone: its change of velocity, m/s, by an impulse, N s.
   [[nodiscard]] Vector3 change(std::uint32_t node, const Vector3& impulse) const {
     const double own = (*mobility)[node];
     return blocks == nullptr || own == 0.0 ? Vector3(own * impulse) : Vector3((*blocks)[node] * impulse);
@@ -67,6 +76,9 @@ struct MovedNodes {
 [[nodiscard]] Vector3 relative(const PairRow& row, const springnet_vectors& values);
 // Sets row.mobility and across. False if none of its nodes can move.
 [[nodiscard]] bool set_mobility(PairRow& row, const MovedNodes& nodes);
+// Changes the velocity of a node, and of those that it is rigidly connected to, by an impulse (N s), and positions by
+// `lever` (s) times that.
+void push(std::uint32_t node, const Vector3& impulse, double lever, const MovedNodes& nodes);
 // Changes velocities and positions by an impulse (N s) of a row.
 void apply(const PairRow& row, const Vector3& impulse, const MovedNodes& nodes);
 

@@ -104,6 +104,13 @@ class RigidConnections {
                                        const springnet_const_vectors& velocity) const;
   // The constraint rows of all rods at these positions.
   [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
+  // How a cluster answers impulses on some of its nodes, `struck`, 1/kg: three rows a node of the cluster, three
+  // columns a struck one. on_obstacles: those that hold its nodes, or that they slide on, act from both sides; else
+  // none does. free: of nodes that can move, 1/kg.
+  [[nodiscard]] Eigen::MatrixXd response(const Placement& at, std::size_t cluster,
+                                         const springnet_const_vectors& position,
+                                         const std::vector<std::uint32_t>& struck, bool on_obstacles,
+                                         const ConstraintSystem::Mobility& free) const;
   // 1/mass, zero for a node that cannot move; 1/kg.
   [[nodiscard]] Eigen::Matrix3d mobility(std::uint32_t node) const;
 

@@ -6,6 +6,8 @@
 
 #include <springnet/sdk/limits.hpp>
 
+#include "constraints/body_contacts.hpp"
+
 namespace springnet {
 namespace {
 
@@ -108,10 +110,10 @@ void find_limits(const StartingNetwork& start, const PluginHost& plugins, Inspec
   for (const auto& component : plugins.components())
     if (component->kind() == ComponentKind::integrator) integrators.push_back(component);
   // Others refuse bodies in contact.
-  if (!start.network().contacts().empty())
-    std::erase_if(integrators, [](const auto& component) {
-      return (component->description->capabilities & SPRINGNET_KEEPS_BODIES_APART) == 0;
-    });
+  std::uint64_t needed = start.network().contacts().empty() ? 0 : SPRINGNET_KEEPS_BODIES_APART;
+  if (are_any_rigid(start.network())) needed |= SPRINGNET_KEEPS_RIGID_BODIES_APART;
+  std::erase_if(integrators,
+                [&](const auto& component) { return (component->description->capabilities & needed) != needed; });
   // The scene's integrator first.
   std::stable_sort(integrators.begin(), integrators.end(), [&](const auto& a, const auto& b) {
     return std::pair(a->id() != used.id, a->id()) < std::pair(b->id() != used.id, b->id());

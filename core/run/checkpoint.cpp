@@ -25,7 +25,7 @@ namespace springnet {
 
 namespace {
 
-constexpr std::string_view heading = "springnet checkpoint 2\n";
+constexpr std::string_view heading = "springnet checkpoint 3\n";
 
 [[noreturn]] void refuse(const OutputFolder& folder, const std::string& what) {
   throw Error(ErrorKind::input, fmt::format("{}: {}", (folder.path() / checkpoint_file).string(), what));

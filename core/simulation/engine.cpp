@@ -21,26 +21,20 @@ namespace springnet {
 namespace {
 
 // What holds a node bears the forces of other bodies on it, too: all of them, or along the obstacles that it slides on
-// their normal parts.
+// their normal parts. Those of nodes with rigid connections are known already.
 void add_body_forces(const Model& model, Reactions& reactions) {
-  const BodyContacts& bodies = model.constraints.bodies();
-  if (bodies.touching().empty()) return;
+  if (model.constraints.bodies().touching().empty()) return;
   const springnet_const_vectors p = read_only(model.state.view.position);
-  const proximity::Positions x = positions_of(p, model.node_count());
   const std::shared_ptr<const Placement> now = model.placement_now();
-  for (const PairTouch& touch : bodies.touching()) {
-    const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
-    const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const std::uint32_t k = nodes[i];
-      const Vector3 force = at.weights[i] * touch.force;
-      const Touch of = model.contact.committed(k);
-      if (model.contact.fixed()[k] != 0 || (of.surface >= 0 && !of.slides))
-        reactions.node[k] -= force;
-      else if (of.surface >= 0)
-        reactions.node[k] -= force - split_reaction(model.contact.normals(*now, k, vector_at(p, k)), force).tangential;
-    }
-  }
+  const std::uint32_t* const clusters = model.rigid.cluster_of();
+  for_each_body_force(model, [&](std::uint32_t k, const Vector3& force) {
+    if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) return;
+    const Touch of = model.contact.committed(k);
+    if (model.contact.fixed()[k] != 0 || (of.surface >= 0 && !of.slides))
+      reactions.node[k] -= force;
+    else if (of.surface >= 0)
+      reactions.node[k] -= force - split_reaction(model.contact.normals(*now, k, vector_at(p, k)), force).tangential;
+  });
 }
 
 }  // namespace

@@ -93,11 +93,24 @@ springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, R
 // of what surfaces are reported to exert, and no impulse besides.
 Vector3 ImpulseLedger::own_part_of_push(std::uint32_t node, const Placement& at) const {
   const BodyPushes& pushes = model_.constraints.pushes();
+  const std::uint32_t* const clusters = model_.rigid.cluster_of();
   if (pushes.count() == 0 || pushes.pushed()[node] == 0) return Vector3::Zero();
+  if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) return Vector3::Zero();  // see below
   const Vector3 push = pushes.impulse(node);
   if (!model_.contact.committed(node).slides) return -push;
   const std::vector<Vector3> normals = model_.contact.normals(at, node, vector_at(model_.state.view.position, node));
   return split_reaction(normals, push).tangential - push;
+}
+
+// Pushes on one node of a cluster reach the obstacles of the others: they are part of its reactions. N.
+std::map<std::uint32_t, Vector3> ImpulseLedger::pushes_on_clusters() const {
+  std::map<std::uint32_t, Vector3> result;
+  const std::uint32_t* const clusters = model_.rigid.cluster_of();
+  if (clusters == nullptr || !(done_.weight > 0.0)) return result;
+  const BodyPushes& pushes = model_.constraints.pushes();
+  for (const std::uint32_t k : pushes.nodes())
+    if (clusters[k] != ConstraintRow::no_node) result[k] = pushes.impulse(k) / done_.weight;
+  return result;
 }
 
 springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& before) {
@@ -118,8 +131,10 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& bef
   std::map<std::pair<std::uint32_t, std::int32_t>, Vector3> impacts;  // [node, surface] N s
   std::optional<ReactionsAt> known;
   const auto reactions = [&]() -> ReactionsAt& {
-    if (!known)
+    if (!known) {
       known.emplace(model_, time, read_only(model_.state.view.position), read_only(model_.state.view.velocity));
+      known->add_forces(pushes_on_clusters());
+    }
     return *known;
   };
   std::vector<std::uint32_t> touching;

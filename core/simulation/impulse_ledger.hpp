@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "simulation/model.hpp"
@@ -52,6 +53,7 @@ class ImpulseLedger {
   // Books what the prescribed motion of a node needs beyond its accelerations.
   void book_motion(std::uint32_t node, const Placement& end);
   [[nodiscard]] Vector3 own_part_of_push(std::uint32_t node, const Placement& at) const;
+  [[nodiscard]] std::map<std::uint32_t, Vector3> pushes_on_clusters() const;
   // Rods gave the free nodes the impulses that forces, reactions and obstacles did not; the fixation of the other nodes
   // bears the opposite.
   springnet_status book_anchored(const AnchoredCluster& anchored, ReactionsAt& reactions);

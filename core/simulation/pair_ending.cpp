@@ -1,8 +1,10 @@
 #include "simulation/pair_ending.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "constraints/vectors.hpp"
@@ -28,6 +30,20 @@ void record_pair(Model& model, Event::Kind kind, const PairRow& row, const PairE
   event.pair_count = static_cast<std::uint8_t>(row.count);
   event.normal = row.normal;
   model.journal.record(event);
+}
+
+ClusterResponses clusters_of(const Model& model, const PairEnding& step, const std::vector<proximity::NearPair>& near) {
+  ClusterResponses result;
+  if (!model.rigid.any()) return result;
+  std::set<std::uint32_t> struck;
+  for (const proximity::NearPair& each : near) {
+    const std::array<std::uint32_t, 4> nodes = model.constraints.bodies().primitives().nodes_of(each.kind, each.pair);
+    const int count = proximity::first_nodes(each.kind) + proximity::second_nodes(each.kind);
+    struck.insert(nodes.begin(), nodes.begin() + count);
+  }
+  result.set(model.rigid, *model.placement(step.until), read_only(step.nodes.position), {struck.begin(), struck.end()},
+             true, [&](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model.mass[node]; });
+  return result;
 }
 
 }  // namespace
@@ -59,6 +75,8 @@ PairRow row_of(const BodyContacts& bodies, proximity::PairKind kind, proximity::
 bool is_on_obstacle(const Model& model, const Placement& at, std::uint32_t node, const Touch& touch,
                     const Vector3& position, OnObstacle& on) {
   if (touch.surface < 0 || model.contact.fixed()[node] != 0) return false;
+  const std::uint32_t* const clusters = model.rigid.cluster_of();
+  if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) return false;  // see ClusterResponses
   const auto surface = static_cast<std::size_t>(touch.surface);
   // Coulomb's friction gives way to a push; how far, the obstacle says.
   const Friction& friction = model.contact.obstacles()[surface].friction();
@@ -69,7 +87,7 @@ bool is_on_obstacle(const Model& model, const Placement& at, std::uint32_t node,
 
 springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pairs) {
   BodyContacts& bodies = model.constraints.bodies();
-  const MovedNodes& nodes = step.nodes;
+  MovedNodes nodes = step.nodes;
   const PairTolerances tolerance(model);
   for (const PairTouch& touch : bodies.touching())
     if (const auto found = pairs.find(touch.key()); found != pairs.end()) found->second.touched = true;
@@ -78,6 +96,8 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   const proximity::Positions end = positions_of(read_only(nodes.position), model.node_count());
   std::vector<proximity::NearPair> near;
   proximity::find_near(all, bodies.list().pairs(), end, 2.0 * tolerance.gap, near, model.evaluator.threads());
+  const ClusterResponses clusters = clusters_of(model, step, near);
+  if (clusters.any()) nodes.clusters = &clusters;
   std::vector<PairRow> rows;
   std::vector<EndingPair*> of_row;
   for (const proximity::NearPair& each : near) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 
@@ -164,6 +165,7 @@ springnet_status ReactionsAt::know(std::uint32_t cluster) {
   for (const std::uint32_t k : model_.rigid.nodes_of(cluster)) {
     Vector3 a;
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
+    if (const auto added = added_.find(k); added != added_.end()) a += added->second / model_.mass[k];
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
     if (k != without_) model_.constraints.accelerate(*placement_, k, 1, position_, velocity_, values);
@@ -236,6 +238,33 @@ springnet_status ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t no
   return SPRINGNET_OK;
 }
 
+namespace {
+
+// As means over the last step, N.
+std::map<std::uint32_t, Vector3> body_forces_on_clusters(const Model& model) {
+  std::map<std::uint32_t, Vector3> result;
+  const std::uint32_t* const clusters = model.rigid.cluster_of();
+  if (clusters == nullptr) return result;
+  for_each_body_force(model, [&](std::uint32_t node, const Vector3& force) {
+    if (clusters[node] != ConstraintRow::no_node) result.try_emplace(node, Vector3::Zero()).first->second += force;
+  });
+  return result;
+}
+
+}  // namespace
+
+void for_each_body_force(const Model& model, const std::function<void(std::uint32_t, const Vector3&)>& use) {
+  const BodyContacts& bodies = model.constraints.bodies();
+  if (bodies.touching().empty()) return;
+  const proximity::Positions x = positions_of(read_only(model.state.view.position), model.node_count());
+  for (const PairTouch& touch : bodies.touching()) {
+    const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
+    const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
+    const int count = proximity::first_nodes(touch.kind) + proximity::second_nodes(touch.kind);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) use(nodes[i], at.weights[i] * touch.force);
+  }
+}
+
 Reactions reactions_now(Model& model) {
   const springnet_state& state = model.state.view;
   ReactionsAt at(model, model.time, read_only(state.position), read_only(state.velocity));
@@ -244,6 +273,7 @@ Reactions reactions_now(Model& model) {
   std::vector<std::uint32_t> nodes;
   for (std::uint32_t k = 0; k < model.node_count(); ++k)
     if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] != 0) nodes.push_back(k);
+  at.add_forces(body_forces_on_clusters(model));
   springnet_status status = at.prepare(nodes);
   for (std::size_t i = 0; i < nodes.size() && status == SPRINGNET_OK; ++i)
     status = at.reported(nodes[i], result.node[nodes[i]]);

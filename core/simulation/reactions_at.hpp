@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -18,6 +20,9 @@ struct Reactions {
 };
 // At the committed state. Throws Error(simulation) if a law fails.
 [[nodiscard]] Reactions reactions_now(Model& model);
+
+// The forces of bodies in contact on nodes, as means over the last step, N: a node several times if several touch it.
+void for_each_body_force(const Model& model, const std::function<void(std::uint32_t, const Vector3&)>& use);
 
 class ReactionsAt {
  public:
@@ -37,6 +42,9 @@ class ReactionsAt {
     prepared_ = std::move(nodes);
     prepared_acceleration_ = std::move(accelerations);
   }
+  // Forces of bodies in contact on nodes with rigid connections, N: what holds the others of the cluster bears them,
+  // too.
+  void add_forces(std::map<std::uint32_t, Vector3> forces) { added_ = std::move(forces); }
   // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);
   // The same without the bracing of sticking nodes against each other.
@@ -89,6 +97,7 @@ class ReactionsAt {
   layers::EnclosureVolumes volumes_;
   std::vector<std::uint32_t> prepared_;         // nodes,
   std::vector<Vector3> prepared_acceleration_;  // and theirs, without obstacles and rigid connections, m/s^2
+  std::map<std::uint32_t, Vector3> added_;      // [node] N
   std::uint32_t without_ = ConstraintRow::no_node;
   std::vector<std::uint8_t> cluster_known_;
   std::vector<double> free_, constrained_;  // [3 node] m/s^2

@@ -20,6 +20,7 @@ namespace {
 
 constexpr int most_rounds = 12;          // of a sweep: later ones go on
 constexpr double crossing_share = 1e-3;  // of the thickness: nearer than that, paths cross
+constexpr double deep = 0.5;             // of the thickness: what slides over a border is hardly nearer than that
 // Target of the iterations, relative to that at a commit, because forces have to settle; after `patience` iterations
 // the tolerance of gaps is enough.
 constexpr double sweep_accuracy = 1e-3;
@@ -51,6 +52,7 @@ void SweepPairs::begin_step() {
   known_.clear();
   reactions_.clear();
   on_obstacles_.clear();
+  clusters_.clear();
   mobility_.clear();
   no_list_.clear();
   sweeps_ = 0;
@@ -107,10 +109,13 @@ double SweepPairs::rebound(std::size_t r, const springnet_vectors& velocity) con
   for (int i = 0; i < row.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const std::uint32_t node = row.nodes[k];
-    const Vector3 push = model_.constraints.pushes().impulse(node);
-    without += row.weights[k] * row.normal.dot(vector_at(velocity, node) - mobility_[node] * push);
+    const auto push = [this](std::uint32_t j) -> const Vector3& { return model_.constraints.pushes().impulse(j); };
+    const ClusterResponses::Place* const place = clusters_.find(node);
+    const Vector3 change = place == nullptr ? Vector3(mobility_[node] * push(node)) : clusters_.change(*place, push);
+    without += row.weights[k] * row.normal.dot(vector_at(velocity, node) - change);
   }
-  if (!(presses(row) && came > std::abs(without + came))) return 0.0;
+  // What arrives at the very end of the step has not pressed within it.
+  if (!(came > std::abs(without + came))) return 0.0;
   return model_.constraints.bodies().law_of(row.kind, row.pair).restitution * came;
 }
 
@@ -138,6 +143,9 @@ double SweepPairs::renew(std::size_t r, const springnet_vectors& position) {
     if (path > now.distance)
       if (const auto crossing = first_meeting(row.kind, start, end, crossing_share * known.thickness))
         if (const double apart = apart_along(crossing->at); apart < 0.0) return apart - known.thickness;
+    // Beside a border it may get to the other side without a crossing, though not without overlapping.
+    if (now.distance < deep * known.thickness)
+      if (const double apart = apart_along(known.at); apart < known.thickness) return apart - known.thickness;
   }
   row.normal = now.direction;
   row.weights = now.weights;
@@ -179,6 +187,24 @@ void SweepPairs::know_inertia(const springnet_sweep& sweep, const PairRow& row) 
   }
 }
 
+void SweepPairs::know_clusters(const springnet_sweep& sweep, const Placement& at) {
+  if (!model_.rigid.any()) return;
+  const auto free = [&](std::uint32_t node) -> Matrix3 {
+    if (sweep.inertia == nullptr) return Matrix3::Identity() / model_.mass[node];
+    return Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}).inverse();
+  };
+  clusters_.set(model_.rigid, at, read_only(sweep.next_position), model_.constraints.pushes().nodes(), true, free);
+}
+
+MovedNodes SweepPairs::moved(const springnet_sweep& sweep) const {
+  return {sweep.next_position,
+          sweep.next_velocity,
+          &mobility_,
+          sweep.inertia != nullptr ? &blocks_ : nullptr,
+          on_obstacles_.empty() ? nullptr : &on_obstacles_,
+          clusters_.any() ? &clusters_ : nullptr};
+}
+
 void SweepPairs::store_pushes() {
   BodyPushes& pushes = model_.constraints.pushes();
   for (const std::uint32_t k : pushes.nodes()) pushes.set(k, Vector3::Zero(), SPRINGNET_NEAR);
@@ -218,15 +244,13 @@ void SweepPairs::push(const springnet_sweep& sweep) {
   std::vector<Vector3> before;
   for (const std::uint32_t k : pushes.nodes()) before.push_back(pushes.impulse(k));
   store_pushes();
-  const MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_,
-                         sweep.inertia != nullptr ? &blocks_ : nullptr};
+  MovedNodes nodes = moved(sweep);
+  nodes.on_obstacles = nullptr;
   const double weight = weight_of(sweep);
   for (std::size_t i = 0; i < before.size(); ++i) {
     const std::uint32_t k = pushes.nodes()[i];
-    const Vector3 change = nodes.change(k, pushes.impulse(k) - before[i]);
-    if (change.isZero(0.0)) continue;
-    put_vector(sweep.next_velocity, k, vector_at(sweep.next_velocity, k) + change);
-    put_vector(sweep.next_position, k, vector_at(sweep.next_position, k) + weight * change);
+    const Vector3 more = pushes.impulse(k) - before[i];
+    if (!more.isZero(0.0)) springnet::push(k, more, weight, nodes);
   }
 }
 
@@ -335,7 +359,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   for (const PairRow& row : rows_) know_inertia(sweep, row);
   const PairTolerances tolerance(model_);
   const std::shared_ptr<const Placement> at = model_.placement(sweep.time);
-  MovedNodes nodes{sweep.next_position, sweep.next_velocity, &mobility_, sweep.inertia != nullptr ? &blocks_ : nullptr};
+  MovedNodes nodes{};
   const auto finish = [&] {
     for (std::size_t i = 0; i < reactions_.size(); ++i) {
       const PairRow& row = rows_[contacts_.size() + i];
@@ -349,7 +373,8 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   bool all_done = false;
   for (int round = 0; round < most_rounds && !all_done; ++round) {
     if (reactions_.empty()) add_obstacles(sweep, *at);
-    nodes.on_obstacles = on_obstacles_.empty() ? nullptr : &on_obstacles_;
+    know_clusters(sweep, *at);
+    nodes = moved(sweep);
     bool done = true;
     for (std::size_t r = 0; r < rows_.size(); ++r) done = renew_row(r, sweep, *at, nodes, tolerance) && done;
     // Friction has no say in gaps: it needs an iteration of its own.
@@ -384,6 +409,9 @@ springnet_status SweepPairs::commit(const State& before) {
   if (rows_.empty() && bodies.touching().empty()) return SPRINGNET_OK;
   const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
   const PairTolerances tolerance(model_);
+  const std::shared_ptr<const Placement> at = model_.placement(model_.time);
+  const auto free = [this](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model_.mass[node]; };
+  clusters_.set(model_.rigid, *at, read_only(position), model_.constraints.pushes().nodes(), true, free);
   double worst = 0.0;
   std::size_t deepest = 0;
   EndingPairs pairs;
@@ -399,7 +427,6 @@ springnet_status SweepPairs::commit(const State& before) {
   }
   if (mobility_.empty()) mobility_ = pair_mobility(model_);
   std::map<std::uint32_t, OnObstacle> on_obstacles;
-  const std::shared_ptr<const Placement> at = model_.placement(model_.time);
   for (std::uint32_t k = 0; !model_.contact.obstacles().empty() && k < model_.node_count(); ++k)
     if (OnObstacle on; is_on_obstacle(model_, *at, k, model_.contact.committed(k), vector_at(position, k), on))
       on_obstacles[k] = on;

@@ -55,6 +55,8 @@ class SweepPairs {
   // Its speed after the step, m/s, at which it flies apart; from its velocities at the end.
   [[nodiscard]] double rebound(std::size_t row, const springnet_vectors& velocity) const;
   void know_inertia(const springnet_sweep& sweep, const PairRow& row);
+  void know_clusters(const springnet_sweep& sweep, const Placement& at);
+  [[nodiscard]] MovedNodes moved(const springnet_sweep& sweep) const;
   // Gives nodes the impulses that the rows have now.
   void push(const springnet_sweep& sweep);
   void store_pushes();
@@ -77,6 +79,7 @@ class SweepPairs {
   std::set<Key> known_;
   std::vector<double> mobility_;  // [node] 1/kg; empty before the first pair
   std::vector<Matrix3> blocks_;   // likewise, of rules whose effective masses have directions
+  ClusterResponses clusters_;     // of nodes with rigid connections
   std::vector<Vector3> added_;    // [node] N, to constraint forces
   std::vector<proximity::NearPair> near_;
   std::vector<proximity::MeetingPair> met_;

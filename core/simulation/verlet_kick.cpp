@@ -191,8 +191,8 @@ void VerletContact::commit_contacts(const Body& body, const Island& island, cons
     if (now.surface < 0) continue;
     const auto j = static_cast<std::size_t>(now.surface);
     if (!now.slides) {
-      // Free of rounding.
-      if (!before.slides && before.surface == now.surface)
+      // Free of rounding; but one that slid within the step has come to rest elsewhere.
+      if (toucher.sticks && !before.slides && before.surface == now.surface)
         put_vector(position, k, contact_.carried(*at_, member.start, now.surface));
       put_vector(velocity, k, Contact::velocity(*at_, j, vector_at(position, k)));
       continue;

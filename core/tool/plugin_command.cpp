@@ -48,7 +48,7 @@ struct Capability {
   std::uint64_t bit;
   const char* text;
 };
-constexpr std::array<Capability, 21> capabilities{
+constexpr std::array<Capability, 22> capabilities{
     {{SPRINGNET_HAS_ENERGY, "energy"},
      {SPRINGNET_HAS_DERIVATIVES, "derivatives"},
      {SPRINGNET_HAS_PARAMETER_DERIVATIVES, "derivatives with respect to parameters"},
@@ -61,6 +61,7 @@ constexpr std::array<Capability, 21> capabilities{
      {SPRINGNET_CHOOSES_STEPS, "chooses its steps"},
      {SPRINGNET_HAS_DENSE_OUTPUT, "dense output"},
      {SPRINGNET_KEEPS_BODIES_APART, "keeps bodies apart"},
+     {SPRINGNET_KEEPS_RIGID_BODIES_APART, "keeps rigid bodies apart"},
      {SPRINGNET_WITHOUT_CONTACT, "without contact"},
      {SPRINGNET_WITHOUT_RIGID, "without rigid connections"},
      {SPRINGNET_MONOTONE, "monotone"},

@@ -23,6 +23,7 @@ void write_frames(std::ostream& out, const Frames& frames, const std::optional<R
   write_block(out, "contact", frames.contact.numbers());
   write_block(out, "load_resultants", frames.resultants.numbers());
   write_block(out, "arrow_forces", frames.forces.numbers());
+  write_block(out, "touches", frames.touches.numbers());
   write_block(out, "states", frames.states.numbers());
   if (ranges) {
     write_rounded(out, "positions", frames.positions.numbers(), ranges->positions);
@@ -147,7 +148,8 @@ double raw_frame_bytes(const Content& content, bool rounded) {
   const auto arrows = static_cast<double>(content.forces.loads.size() + content.forces.arrows.size());
   const double start = content.learned ? 3.0 * nodes : 0.0;
   return (rounded ? 2.0 : 4.0) * (4.0 * nodes + start + springs) + std::ceil(nodes / 8.0) + 28.0 * surfaces +
-         12.0 * arrows + 4.0 * static_cast<double>(content.states.numbers) +
+         12.0 * arrows + 4.0 * static_cast<double>(touch_numbers * content.touches) +
+         4.0 * static_cast<double>(content.states.numbers) +
          8.0 * static_cast<double>(fixed_scalars + content.elements.size()) + observed_bytes(content.learned.get());
 }
 

@@ -42,6 +42,7 @@ struct Content {
   std::shared_ptr<const PluginHost> plugins{};  // for the units of laws
   std::vector<LawStates> law_states{};          // laws of springs and elements that have internal states
   States states{};
+  std::size_t touches = 0;                       // of bodies that a frame has room for
   std::shared_ptr<const LearnedView> learned{};  // null: the page of a run
 };
 

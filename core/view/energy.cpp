@@ -46,7 +46,8 @@ std::vector<std::string> left_out_of_energy(const Content& content) {
   if (!sources.empty()) parts.push_back(fmt::format("the work of {}", fmt::join(sources, " and ")));
   if (has_damping(network)) parts.emplace_back("damping");
   if (!content.law_states.empty()) parts.emplace_back("what laws with memory dissipate");
-  if (!network.planes().empty() || !network.instruments().empty()) parts.emplace_back("contact");
+  if (!network.planes().empty() || !network.instruments().empty() || !network.contacts().empty())
+    parts.emplace_back("contact");
   if (!content.removed.empty()) parts.emplace_back("removed springs");
   if (content.plugins) {
     const std::vector<std::string> laws = without_energy(network, *content.plugins);

@@ -13,6 +13,7 @@ Frames::Frames(const FrameWidths& widths, std::size_t capacity, std::size_t expe
       surfaces(surface_numbers * widths.surfaces, std::min(capacity, expected) + 1),
       resultants(3 * widths.loads, std::min(capacity, expected) + 1),
       forces(3 * widths.arrows, std::min(capacity, expected) + 1),
+      touches(touch_numbers * widths.touches, std::min(capacity, expected) + 1),
       states(widths.states, std::min(capacity, expected) + 1),
       contact((widths.nodes + 7) / 8, std::min(capacity, expected) + 1),
       capacity_(std::max<std::size_t>(capacity, 2)) {}

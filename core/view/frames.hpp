@@ -38,11 +38,13 @@ class Rows {
 };
 
 constexpr std::size_t surface_numbers = 7;  // per surface and frame
+constexpr std::size_t touch_numbers = 7;    // per touch of bodies and frame, see take_touches()
 
 struct FrameWidths {
   std::size_t scalars, nodes, springs, surfaces;
   std::size_t loads = 0, arrows = 0, states = 0;
   std::size_t start_nodes = 0;
+  std::size_t touches = 0;
 };
 
 // Records 0, stride, 2 stride, … and the last one; at most `capacity` frames (2 or more), then the stride doubles.
@@ -63,6 +65,7 @@ class Frames {
   Rows<float> surfaces;        // of each surface: x, y, z, m; the quaternion x, y, z, w of its rotation since the start
   Rows<float> resultants;      // x, y, z of each load, N
   Rows<float> forces;          // x, y, z of each arrow at a node, N
+  Rows<float> touches;         // touch_numbers of each touch of bodies
   Rows<float> states;          // internal states, spring by spring (States)
   Rows<std::uint8_t> contact;  // a bit per node
 
@@ -81,6 +84,7 @@ class Frames {
     work(surfaces);
     work(resultants);
     work(forces);
+    work(touches);
     work(states);
     work(contact);
   }

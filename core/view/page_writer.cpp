@@ -13,6 +13,7 @@
 #include "files/whole_file.hpp"
 #include "view/floors.hpp"
 #include "view/learned.hpp"
+#include "view/touches.hpp"
 
 namespace springnet::view {
 
@@ -41,7 +42,8 @@ FrameWidths widths_of(const Content& content) {
           content.forces.loads.size(),
           content.forces.arrows.size(),
           content.states.numbers,
-          content.learned ? content.selection.nodes.size() : 0};
+          content.learned ? content.selection.nodes.size() : 0,
+          content.touches};
 }
 
 Content make_content(const Scene& scene, double size, const PluginHost* plugins,
@@ -62,6 +64,7 @@ Content make_content(const Scene& scene, double size, const PluginHost* plugins,
   content.learned = learned;
   count_states(scene.network, content.selection, content.states);
   content.forces = forces_of(scene.network, content.selection);
+  content.touches = touch_capacity(scene.network);
   const double max_frames = (size - base_bytes(content)) / frame_bytes(content, true);
   const auto capacity = static_cast<std::size_t>(std::clamp(max_frames, 2.0, 1e9));
   content.frames =
@@ -112,11 +115,14 @@ void PageWriter::record(const Record& record) {
   content_.frames.begin();
   take_events(record.simulation());
   take_scalars(record);
-  take_nodes(record.simulation());
+  const std::vector<BodyTouch> touches = record.simulation().body_touches();
+  take_nodes(record.simulation(), touches);
   take_springs(record);
   take_surfaces(record.simulation());
   take_forces(content_.forces, content_.scene.network, record.simulation(), content_.frames.resultants.last(),
               content_.frames.forces.last());
+  const std::uint64_t with_force = take_touches(touches, content_.selection, content_.frames.touches.last());
+  most_touches_ = std::max(most_touches_, with_force);
   take_states(content_.states, content_.scene.network, content_.selection, record.simulation(),
               content_.frames.states.last());
 }
@@ -134,6 +140,7 @@ void PageWriter::archive(Archive& archive) {
   }
   archive.numbers(counts_.data(), counts_.size());
   archive.number(events_read_);
+  archive.number(most_touches_);
 }
 
 void PageWriter::take_events(const Simulation& simulation) {
@@ -176,7 +183,7 @@ void PageWriter::take_positions(const Simulation& simulation, std::span<float> o
   }
 }
 
-void PageWriter::take_nodes(const Simulation& simulation) {
+void PageWriter::take_nodes(const Simulation& simulation, const std::vector<BodyTouch>& touches) {
   take_positions(simulation, content_.frames.positions.last());
   if (content_.learned) record_start(simulation);  // until it is told
   const auto speeds = content_.frames.speeds.last();
@@ -185,8 +192,7 @@ void PageWriter::take_nodes(const Simulation& simulation) {
   const ConstNodeMap velocities = simulation.velocities();
   const bool surfaces = simulation.surface_count() > 0;
   std::set<NodeIndex> of_bodies;
-  for (const BodyTouch& touch : simulation.body_touches())
-    of_bodies.insert(touch.nodes.begin(), touch.nodes.begin() + touch.count);
+  for (const BodyTouch& touch : touches) of_bodies.insert(touch.nodes.begin(), touch.nodes.begin() + touch.count);
   for (std::size_t k = 0; k < content_.selection.nodes.size(); ++k) {
     const NodeIndex node = content_.selection.nodes[k];
     const auto column = static_cast<Eigen::Index>(simulation.columns()[node]);
@@ -220,6 +226,11 @@ void PageWriter::note_omissions(const std::optional<Ranges>& rounded) {
     left_out_.push_back(
         fmt::format("{} of {} records are shown: one in {}, and the last; a larger output.view_size shows more",
                     frames.count(), frames.recorded(), frames.stride()));
+  }
+  if (most_touches_ > content_.touches) {
+    left_out_.push_back(
+        fmt::format("of up to {} pairs in contact at a time, the {} with the largest forces have arrows", most_touches_,
+                    content_.touches));
   }
   const double min_bytes = base_bytes(content_) + 2.0 * frame_bytes(content_, true);
   if (min_bytes > size_) {

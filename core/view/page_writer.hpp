@@ -44,7 +44,7 @@ class PageWriter {
  private:
   void take_events(const Simulation& simulation);
   void take_scalars(const Record& record);
-  void take_nodes(const Simulation& simulation);
+  void take_nodes(const Simulation& simulation, const std::vector<BodyTouch>& touches);
   void take_positions(const Simulation& simulation, std::span<float> out) const;
   void take_springs(const Record& record);
   void take_surfaces(const Simulation& simulation);
@@ -56,6 +56,7 @@ class PageWriter {
   Content content_;
   std::array<std::uint64_t, 9> counts_{};  // of each kind of event
   std::size_t events_read_ = 0;            // events of the simulation that were read so far
+  std::uint64_t most_touches_ = 0;         // with a force, in a record
   std::vector<std::string> left_out_;
   std::vector<PageWriter*> others_;
   bool closed_ = false;

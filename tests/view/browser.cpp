@@ -167,6 +167,8 @@ TEST_CASE("the page draws the network; scrub bar, keys, switches and picking wor
   }
   CHECK(found["plots"].get<int>() >= 2);
   CHECK(found["legend"].get<std::string>().find("tension of springs, N") != std::string::npos);
+  CHECK(found["touch_control"] == false);  // no bodies in contact
+  CHECK_FALSE(found.contains("touches"));
   // A drag of 60 pixels turns the eye by some degrees; a click in the middle of a curve goes near the middle.
   CHECK(found["eye_moved"].get<double>() > 0.1);
   CHECK(std::abs(found["curve_clicked"].get<int>() - 30) <= 6);
@@ -283,6 +285,68 @@ TEST_CASE("loads are drawn as resultants, on request at each node; displacements
   const Visit other = visit(folder, address(folder, "displacement=1.5&time=1"), "--dump-dom");
   CHECK(console(other.log) == "");
   CHECK(other.dom.find("displacement \u00d7 1.5, obstacles \u00d7 1<") != std::string::npos);
+}
+
+TEST_CASE("forces between bodies in contact are pairs of arrows, in the middle of where they touch") {
+  const TemporaryFolder folder;
+  REQUIRE_FALSE(run_scene(testing::lifted_balls(), plugins(), {folder.path(), "balls", {}}).failure);
+  const Visit page = visit(folder, address(folder, "selftest=1"), "--dump-dom");
+  CHECK(console(page.log) == "");
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  CHECK(found["touch_control"] == true);
+  CHECK(found["key"].get<std::string>().find("force between bodies in contact") != std::string::npos);
+  const nlohmann::json& touches = found["touches"];
+  CHECK(touches["most"] == 2);
+  CHECK(touches["count_at_start"] == 0);
+  CHECK(touches["legend"] == "longest arrow between bodies 10 N");
+  CHECK(touches["longest"].get<double>() == doctest::Approx(0.16));  // of the diagonal
+  CHECK(touches["pixels"].get<int>() > 50);
+  REQUIRE(touches["arrows"].size() == 4);
+  for (std::size_t k = 0; k < 4; ++k) {
+    CAPTURE(k);
+    const nlohmann::json& arrow = touches["arrows"][k];
+    const double height = k < 2 ? 0.225 : 0.425;  // at the end, lifted by 0.125 m
+    CHECK(arrow["place"][2].get<double>() == doctest::Approx(height).epsilon(1e-6));
+    CHECK(touches["exaggerated"][k][2].get<double>() == doctest::Approx(height + 4 * 0.125).epsilon(1e-6));
+    // The upper touch carries half; down on the lower ball, up on the one above.
+    CHECK(arrow["share"].get<double>() == doctest::Approx(k < 2 ? 1.0 : 0.5).epsilon(1e-5));
+    CHECK(arrow["direction"][2].get<double>() == doctest::Approx(k % 2 == 0 ? -1.0 : 1.0).epsilon(1e-6));
+    for (const std::size_t axis : {0, 1}) CHECK(arrow["place"][axis].get<double>() == 0.0);
+  }
+  const auto picture = [&](const std::string& hash) {
+    CHECK(console(visit(folder, address(folder, hash), "--screenshot=picture.png").log) == "");
+    return testing::read_text(folder.path() / "picture.png");
+  };
+  const std::string shown = picture("time=0.5&bare=1&labels=0");
+  CHECK(picture("time=0.5&bare=1&labels=0&touches=1") == shown);
+  CHECK(picture("time=0.5&bare=1&labels=0&touches=0") != shown);
+}
+
+TEST_CASE("an impact does not shorten the arrows of bodies at rest; the legend has its force") {
+  const TemporaryFolder folder;
+  Scene scene;
+  testing::add_ball(scene.network, "ball", {0, 0, 0.3}, testing::at_rest, 0.5, 0.1);
+  testing::add_ball(scene.network, "ground", {0, 0, 0}, testing::at_rest, 1.0, 0.1, true);
+  testing::touch_all(scene.network, testing::frictionless);
+  scene.network.set_gravity({0, 0, -10});
+  scene.duration = 1.0;
+  scene.options.time_step = 0.02;
+  scene.options.integrator = testing::verlet;
+  REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "balls", {}}).failure);
+  const Visit page = visit(folder, address(folder, "selftest=1"), "--dump-dom");
+  CHECK(console(page.log) == "");
+  const nlohmann::json found = element(page.dom, "selftest");
+  CHECK(found["errors"] == nlohmann::json::array());
+  const nlohmann::json& touches = found["touches"];
+  REQUIRE(touches["arrows"].size() == 2);
+  for (const auto& arrow : touches["arrows"]) CHECK(arrow["share"].get<double>() == doctest::Approx(1.0).epsilon(1e-5));
+  CHECK(touches["largest_share"] == 1.0);
+  // It arrives with about 1.4 m/s, and is stopped within a step.
+  const std::string legend = touches["legend"], start = "longest arrow between bodies 5 N; beyond: up to ";
+  REQUIRE(legend.starts_with(start));
+  CHECK(std::stod(legend.substr(start.size())) ==
+        doctest::Approx(0.5 * std::sqrt(2.0 * 10.0 * 0.1) / 0.02).epsilon(0.2));
 }
 
 TEST_CASE(

@@ -17,11 +17,12 @@ namespace {
 std::string base64_text(std::string_view text) { return base64(std::as_bytes(std::span(text))); }
 
 Frames frames_of(std::size_t records, std::size_t capacity) {
-  Frames frames({1, 9, 0, 0}, capacity, records);
+  Frames frames({.scalars = 1, .nodes = 9, .springs = 0, .surfaces = 0, .touches = 2}, capacity, records);
   for (std::size_t k = 0; k < records; ++k) {
     frames.begin();
     frames.scalars.last()[0] = static_cast<double>(k);
     frames.speeds.last()[8] = static_cast<float>(k);
+    frames.touches.last()[13] = static_cast<float>(k);
     frames.contact.last()[1] = static_cast<std::uint8_t>(k % 256);
   }
   return frames;
@@ -46,6 +47,7 @@ TEST_CASE("frames that are refused leave none, so that no page is written of the
   whole.archive(again);
   CHECK(whole.count() == 5);
   CHECK(whole.speeds.numbers() == frames.speeds.numbers());
+  CHECK(whole.touches.numbers() == frames.touches.numbers());
 }
 
 TEST_CASE("base64 of the examples of RFC 4648") {
@@ -81,6 +83,7 @@ TEST_CASE("if there are more records, every second, fourth, … is kept, and alw
         const std::size_t expected = k + 1 < frames.count() ? k * frames.stride() : records - 1;
         CHECK(frames.scalars.numbers()[k] == static_cast<double>(expected));
         CHECK(frames.speeds.numbers()[9 * k + 8] == static_cast<float>(expected));
+        CHECK(frames.touches.numbers()[14 * k + 13] == static_cast<float>(expected));
         CHECK(frames.contact.numbers()[2 * k + 1] == expected % 256);
       }
     }

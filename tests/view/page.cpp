@@ -357,6 +357,32 @@ TEST_CASE("the page has the resultant of each load and the forces on nodes of ev
   }
 }
 
+TEST_CASE("the page has the forces between bodies of every record") {
+  const TemporaryFolder folder;
+  const Scene scene = testing::lifted_balls();
+  REQUIRE_FALSE(run(scene, folder).failure);
+  const std::string page = page_in(folder);
+  const nlohmann::json about = description(page);
+  REQUIRE(about["frames"] == 9);
+  CHECK(about["notes"].empty());
+  const auto touches = block<float>(page, "touches");
+  constexpr std::size_t width = 3 * view::touch_numbers;  // of three balls three pairs can touch
+  REQUIRE(touches.size() == 9 * width);
+  CHECK(std::count(touches.begin(), touches.begin() + width, 0.0F) == static_cast<std::ptrdiff_t>(width));
+  for (std::size_t frame = 1; frame < 9; ++frame) {
+    CAPTURE(frame);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const float* touch = touches.data() + frame * width + k * view::touch_numbers;
+      const double height = 0.1 + 0.2 * static_cast<double>(k) + 0.25 * 0.0625 * static_cast<double>(frame);
+      CHECK(touch[0] == static_cast<float>(k));
+      CHECK(touch[1] == 0.0F);
+      CHECK(touch[3] == doctest::Approx(height).epsilon(1e-6));                 // the tolerance of gaps, 1e-8 m
+      CHECK(touch[6] == doctest::Approx(k == 0 ? -10.0 : -5.0).epsilon(1e-5));  // on the lower one
+    }
+    CHECK(touches[(frame + 1) * width - 1] == 0.0F);
+  }
+}
+
 TEST_CASE("a turning box has its shape, and its orientation in each frame") {
   const TemporaryFolder folder;
   Scene scene = testing::with_elements();

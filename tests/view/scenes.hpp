@@ -4,6 +4,7 @@
 #include <springnet/output.hpp>
 #include <springnet/view.hpp>
 
+#include "../bodies/bodies.hpp"
 #include "nets.hpp"
 
 namespace springnet::testing {
@@ -95,6 +96,27 @@ inline Scene with_elements(int sides = 1) {
   for (int k = 0; k < sides; ++k) scene.network.add_element(Invariant::area, {1, 2, 3}, filling, 0.5);
   scene.duration = 0.5;
   scene.options.time_step = 0.01;
+  scene.options.threads = 1;
+  return scene;
+}
+
+// Two balls of 0.5 kg on each other and on a moved one, which lifts them at 0.25 m/s: the forces between them are 10 N
+// and 5 N, but at the start.
+inline Scene lifted_balls() {
+  Scene scene;
+  Network& network = scene.network;
+  const Vector3 velocity(0.0, 0.0, 0.25);
+  for (int k = 0; k < 3; ++k) add_ball(network, "ball " + std::to_string(k), {0.0, 0.0, 0.2 * k}, velocity, 0.5, 0.1);
+  touch_all(network, frictionless);
+  network.set_gravity({0.0, 0.0, -10.0});
+  Motion lift;
+  lift.interpolation = Motion::Interpolation::linear;
+  lift.times = {0.0, 1.0};
+  lift.displacements = {Vector3::Zero(), velocity};
+  network.add_move({{0}, lift});
+  scene.duration = 0.5;
+  scene.options.time_step = 0.0625;
+  scene.options.integrator = verlet;
   scene.options.threads = 1;
   return scene;
 }

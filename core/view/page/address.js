@@ -17,7 +17,7 @@
     play: flag("play", !parameters.has("time") && !parameters.has("bare")),
     selftest: flag("selftest", false)
   };
-  ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed", "held_out", "velocities", "reactions"].forEach(function (what) { s.shown[what] = flag(what, s.shown[what]); });
+  ["springs", "broken", "nodes", "faces", "instruments", "forces", "touches", "learned", "start", "observed", "held_out", "velocities", "reactions"].forEach(function (what) { s.shown[what] = flag(what, s.shown[what]); });
   const colour = parameters.get("color") || parameters.get("colour");
   if (["tension", "speed", "contact"].includes(colour)) s.shown.colour = colour;
   const state = s.run.about.states.findIndex(function (each) { return each.label === colour; });

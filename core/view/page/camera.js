@@ -54,7 +54,7 @@
         ends.push(start, start.clone().addScaledVector(arrow.direction, arrow.share * length));
       });
     }
-    return ends.concat(observed_ends(nodes_box, longest));
+    return ends.concat(observed_ends(nodes_box, longest), touch_ends(nodes_box, longest));
   }
   // Of velocities and forces that were observed.
   function observed_ends(nodes_box, longest) {
@@ -65,6 +65,18 @@
         s.observed_arrows(what, frame, s.drawn_positions(frame)).forEach(function (arrow) {
           if (nodes_box.containsPoint(arrow.place)) ends.push(arrow.place.clone().addScaledVector(arrow.direction, arrow.share * length));
         });
+      });
+    }
+    return ends;
+  }
+
+  // Of forces between bodies. The box of nodes in a line or a plane is flat: places beside it by rounding count as inside.
+  function touch_ends(nodes_box, longest) {
+    const ends = [], count = 2 * s.touches.most, length = s.touch_arrow_length(longest), stride = Math.max(1, Math.ceil(run.frames * count / 5000));
+    const near = nodes_box.clone().expandByScalar(1e-3 * diagonal(nodes_box));
+    for (let frame = 0; count > 0 && frame < run.frames; frame += stride) {
+      s.touch_arrows(frame, s.drawn_positions(frame)).forEach(function (arrow) {
+        if (near.containsPoint(arrow.place)) ends.push(arrow.place.clone().addScaledVector(arrow.direction, arrow.share * length));
       });
     }
     return ends;

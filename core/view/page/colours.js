@@ -25,7 +25,7 @@
     velocity: [0, 110, 170], reaction: [170, 70, 0],
     speed: { table: sequential },
     free: [92, 104, 118], fixed: [0, 0, 0], moved: [120, 40, 160], contact: [240, 130, 20], plain: [140, 148, 158], without: [228, 231, 235], rigid: [40, 44, 50],
-    force: [26, 127, 70],
+    force: [26, 127, 70], touch: [196, 16, 120],
     // Offset in a table of the colour of `value`, for values up to `range`.
     offset: function (value, range, symmetric) {
       const share = range > 0 ? value / range : 0;

@@ -87,6 +87,7 @@
   }
   run.resultants = vectors(run.all_resultants);
   run.arrow_forces = vectors(run.all_arrow_forces);
+  run.touches = vectors(block("touches", Float32Array));  // of bodies, see s.touch_arrows
   const contact = block("contact", Uint8Array), contact_width = Math.ceil(nodes / 8);
   run.in_contact = function (frame, node) { return (contact[frame * contact_width + (node >> 3)] >> (node & 7) & 1) === 1; };
   run.has_contact = contact.some(function (byte) { return byte !== 0; });
@@ -192,6 +193,6 @@
   };
   s.run = run;
   // What is drawn, and how. Set by the page's address and the panel.
-  s.shown = { springs: true, broken: true, nodes: nodes <= 20000, faces: true, instruments: true, forces: true,
+  s.shown = { springs: true, broken: true, nodes: nodes <= 20000, faces: true, instruments: true, forces: true, touches: true,
               held_out: true, velocities: true, reactions: true, arrows: "resultants", colour: "tension" };
 })(springnet);

@@ -56,7 +56,8 @@
     });
   };
   // The length of the longest arrow. The more arrows there are, the shorter all of them, to leave the body visible.
-  s.arrow_length = function (mode, longest) { return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(count[mode]))); };
+  s.length_of_many = function (longest, count) { return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(Math.max(1, count)))); };
+  s.arrow_length = function (mode, longest) { return s.length_of_many(longest, count[mode]); };
   s.arrow_start = function (arrow, length) {
     return arrow.inward ? arrow.place.clone().addScaledVector(arrow.direction, -arrow.share * length) : arrow.place.clone();
   };

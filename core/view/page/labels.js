@@ -18,6 +18,12 @@
     part.textContent = lines.join("; ");
   }
 
+  function show_touch_scale() {
+    const part = element("legend-touch"), usual = s.force_text(s.touches.longest_force), most = s.force_text(s.touches.max_force);
+    part.hidden = !s.shown.touches || s.touches.most === 0;
+    part.textContent = part.hidden ? "" : "longest arrow between bodies " + usual + (most === usual ? "" : "; beyond: up to " + most);
+  }
+
   function draw_bar(table) {
     const bar = element("legend-bar"), context = bar.getContext("2d");
     for (let x = 0; x < bar.width; ++x) {
@@ -57,6 +63,7 @@
     element("legend-ticks").textContent = "";
     element("legend-note").textContent = "";
     show_arrow_scale();
+    show_touch_scale();
     if (quantity === "contact") {
       element("legend-title").textContent = "orange: in contact";
       return;

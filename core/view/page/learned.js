@@ -179,7 +179,7 @@
   // longest: of an arrow alone
   s.observed_arrow_length = function (what, longest) {
     const seen = run.observed_kinds, count = what === "velocity" ? seen.velocity + seen.held_velocity : seen.force + seen.held_force;
-    return longest * Math.min(1, Math.max(0.3, 3 / Math.sqrt(Math.max(1, count))));
+    return s.length_of_many(longest, count);
   };
 
   // The layers of the picture that show them.

@@ -64,6 +64,7 @@
       if (seen.held_velocity || seen.held_force) add("arrow", s.colours.held_out, "held-out velocity or force");
     }
     if (about.loads.length > 0) add("arrow", s.colours.force, "force of the scene’s loads");
+    if (s.touches.most > 0) add("arrow", s.colours.touch, "force between bodies in contact, on each of them");
     happened.forEach(function (name) { add("mark", s.mark_colours[name], "timeline: " + names[name]); });
   }
 
@@ -71,6 +72,7 @@
     const present = { springs: run.springs > 0, broken: run.removals.size > 0, nodes: run.nodes > 0,
                     faces: run.face_frames.length > 0, instruments: about.surfaces.length > 0,
                     forces: about.loads.length > 0, arrows: s.arrow_modes.differ, displacement: s.has_motion,
+                    touches: s.touches.most > 0,
                     learned: run.is_learned };
     const seen = run.observed_kinds;
     present.observed = seen && (seen.position || seen.velocity || seen.force);
@@ -88,7 +90,7 @@
     show_banner();
     show_key();
     hide_unused_controls();
-    ["springs", "broken", "nodes", "faces", "instruments", "forces", "learned", "start", "observed", "held_out", "velocities", "reactions"].forEach(function (what) {
+    ["springs", "broken", "nodes", "faces", "instruments", "forces", "touches", "learned", "start", "observed", "held_out", "velocities", "reactions"].forEach(function (what) {
       const box = element("show-" + what);
       box.checked = s.shown[what];
       box.addEventListener("change", function () {

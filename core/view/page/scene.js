@@ -1,4 +1,4 @@
-// Draws one frame: springs, nodes, faces, surfaces, loads, and what is picked.
+// Draws one frame: springs, nodes, faces, surfaces, loads, forces between bodies, and what is picked.
 (function (s) {
   const run = s.run, colours = s.colours, count = Math.max(run.springs, run.nodes);
   const spring_width = count < 400 ? 4 : count < 800 ? 3.2 : count < 4000 ? 2.2 : count < 20000 ? 1.5 : 1;
@@ -32,11 +32,11 @@
     const dots = new s.Dots(run.nodes);
     const picked_spring = new s.Segments(1, { width: spring_width + 3, above: true });
     const picked_node = new s.Dots(1, 0.72);
-    const faces = new s.Faces(), surfaces = new s.Surfaces(), forces = new s.Forces();
+    const faces = new s.Faces(), surfaces = new s.Surfaces(), forces = new s.Forces(), touches = new s.Touches();
     const learned = run.is_learned ? new s.LearnedLayers(spring_width, dot_size) : null;
     const layers = [springs, broken, rigids, dots, picked_spring, picked_node].concat(learned ? learned.layers : []);
     layers.forEach(function (layer) { scene.add(layer.mesh); });
-    scene.add(faces.mesh, surfaces.group, forces.group);
+    scene.add(faces.mesh, surfaces.group, forces.group, touches.group);
     if (learned) scene.add(learned.group);
     const sky = new THREE.HemisphereLight(0xffffff, 0x9aa2ad, 0.66);
     sky.position.copy(s.camera.upward);
@@ -138,6 +138,8 @@
       surfaces.show(frame);
       forces.group.visible = s.shown.forces;
       forces.show(frame, positions);
+      touches.group.visible = s.shown.touches;
+      touches.show(frame, positions);
       this.draw();
     };
     this.draw = function () {

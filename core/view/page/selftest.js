@@ -183,6 +183,23 @@
       if (s.arrow_modes.differ) { box.click(); found.push(look()); box.click(); }
       return found;
     }
+    // Arrows between bodies in a frame: each as it is drawn, and their places with displacements five times as large.
+    function touches() {
+      const frame = player.frame, size = s.camera.nodes_box.getSize(new THREE.Vector3()).length(), length = s.touch_arrow_length(s.camera.longest_arrow);
+      function all() { return s.touch_arrows(frame, s.drawn_positions(frame)); }
+      let largest_share = 0;
+      run.times.forEach(function (_, k) {
+        s.touch_arrows(k, s.drawn_positions(k)).forEach(function (each) { largest_share = Math.max(largest_share, each.share); });
+      });
+      const found = { most: s.touches.most, count_at_start: s.touch_arrows(0, s.drawn_positions(0)).length, largest_share: largest_share,
+                      arrows: all().map(function (each) { return { place: each.place.toArray(), direction: each.direction.toArray(), share: each.share }; }),
+                      longest: length / size, legend: document.getElementById("legend-touch").textContent,
+                      pixels: toggled("show-touches") };
+      s.exaggeration = 5;
+      found.exaggerated = all().map(function (each) { return each.place.toArray(); });
+      s.exaggeration = 1;
+      return found;
+    }
     function banner() {
       const part = document.getElementById("banner");
       return part.hidden ? null : { kind: part.className, text: part.textContent, height: part.offsetHeight };
@@ -214,6 +231,8 @@
     player.go(last >> 1);
     result.arrows = arrows();
     player.go(last);
+    result.touch_control = document.getElementById("show-touches").parentElement.style.display !== "none";
+    if (s.touches.most > 0) result.touches = touches();
     result.remark = texts(".plot-head small");
     result.picks_hidden_spring = picks_hidden_spring();
     const place = view.getBoundingClientRect();

@@ -113,7 +113,7 @@ class Newton final : public Rule {
   std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
   std::vector<std::uint8_t> pushed_;            // [n] SPRINGNET_NEAR …, likewise; empty without bodies in contact
-  std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step
+  std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step; also with bodies
   double shift_ = 0.0;                          // mu
   double kept_rate_ = 1.0;                      // slowest reduction with these derivatives
   double last_accuracy_ = 1.0;                  // of the last linear solve

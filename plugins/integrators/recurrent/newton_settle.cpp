@@ -169,7 +169,8 @@ bool Newton::find_pinned(const Step& step) {
     }
     pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
     const std::uint32_t cluster = network.cluster[k];
-    if (cluster != no_node && (status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING)) has_friction_[cluster] = 1;
+    const bool touches = status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING || step.is_pushed(k);
+    if (cluster != no_node && touches) has_friction_[cluster] = 1;
   }
   return switched;
 }

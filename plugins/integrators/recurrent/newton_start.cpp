@@ -74,7 +74,8 @@ void Newton::start(Step& step) {
   switched_ = false;
   std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k)
-    if (network.touching[k] != 0 && network.cluster[k] != no_node) has_friction_[network.cluster[k]] = 1;
+    if (network.cluster[k] != no_node && (network.touching[k] != 0 || step.is_pushed(k)))
+      has_friction_[network.cluster[k]] = 1;
   if (step.constrained()) work_.free_accelerations(step);
   assess(step, outputs, at_outputs_);
   if (step.constrained()) settle(step, nullptr);

@@ -45,7 +45,7 @@ class Recurrent : public sdk::Integrator {
       "Nürnberger, Radetzky, Kruse: A Problem Specific Recurrent Neural Network for the Description and Simulation of "
       "Dynamic Spring Models, section 3.4";
   static constexpr bool integrates_states = true;
-  static constexpr bool keeps_bodies_apart = true;
+  static constexpr bool keeps_bodies_apart = true, keeps_rigid_bodies_apart = true;
   static constexpr sdk::Parameter parameters[] = {
       sdk::choice(
           "update", {"synchronous", "wavefront", "block", "coloured", "newton", "automatic"},

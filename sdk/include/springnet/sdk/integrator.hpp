@@ -24,9 +24,10 @@
 //     static constexpr bool integrates_states = true;
 //
 // and is refused where there is any if it does not. In the same way one that keeps bodies apart from each other
-// declares keeps_bodies_apart; springnet_host::constrain does the work in a step of velocity Verlet. More that it may
-// declare, for `plugin show`: locates_events, chooses_steps; without_contact and without_rigid, where the host then
-// refuses such networks. And more members, each optional:
+// declares keeps_bodies_apart, and keeps_rigid_bodies_apart if their nodes may have rigid connections;
+// springnet_host::constrain does the work in a step of velocity Verlet, without these. More that it may declare, for
+// `plugin show`: locates_events, chooses_steps; without_contact and without_rigid, where the host then refuses such
+// networks. And more members, each optional:
 //
 //     void forget();                                       // drops what it keeps from one advance() to the next
 //     void save(const ByteSink& sink) const;               // writes it
@@ -152,6 +153,8 @@ struct IntegratorGlue {
       if (Component::chooses_steps) bits |= SPRINGNET_CHOOSES_STEPS;
     if constexpr (requires { Component::keeps_bodies_apart; })
       if (Component::keeps_bodies_apart) bits |= SPRINGNET_KEEPS_BODIES_APART;
+    if constexpr (requires { Component::keeps_rigid_bodies_apart; })
+      if (Component::keeps_rigid_bodies_apart) bits |= SPRINGNET_KEEPS_RIGID_BODIES_APART;
     if constexpr (requires { Component::without_contact; })
       if (Component::without_contact) bits |= SPRINGNET_WITHOUT_CONTACT;
     if constexpr (requires { Component::without_rigid; })

@@ -59,6 +59,7 @@ enum {
 #define SPRINGNET_WITHOUT_RIGID (UINT64_C(1) << 14)    /* networks with rigid connections are refused */
 /* Contact of bodies with each other: networks that have it are refused by others. */
 #define SPRINGNET_KEEPS_BODIES_APART (UINT64_C(1) << 15)
+#define SPRINGNET_KEEPS_RIGID_BODIES_APART (UINT64_C(1) << 8) /* likewise, of nodes with rigid connections */
 /* What its author promises, and a checker can verify. */
 #define SPRINGNET_MONOTONE (UINT64_C(1) << 16)             /* the force never falls as q or its rate grows */
 #define SPRINGNET_NOT_ZERO_AT_REST (UINT64_C(1) << 17)     /* it exerts a force at the reference value, at rest */
