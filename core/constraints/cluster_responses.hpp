@@ -17,6 +17,7 @@ namespace springnet {
 class ClusterResponses {
  public:
   struct Cluster {
+    std::uint32_t number;               // of RigidConnections
     std::vector<std::uint32_t> nodes;   // all of them
     std::vector<std::uint32_t> struck;  // those that impulses act on
     Eigen::MatrixXd response;           // 1/kg, three rows a node, three columns a struck one
@@ -29,11 +30,11 @@ class ClusterResponses {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   void clear();
-  // Of the clusters that have some of these nodes, at these positions (m). on_obstacles: held by those that their nodes
-  // are on now; else as if there were none. free: mobility of nodes that can move, 1/kg.
+  // Of the clusters that have some of these nodes, at these positions (m): see RigidConnections::response.
   void set(const RigidConnections& rigid, const Placement& at, const springnet_const_vectors& position,
-           const std::vector<std::uint32_t>& struck, bool on_obstacles, const ConstraintSystem::Mobility& free);
+           const std::vector<std::uint32_t>& struck, const ConstraintSystem::Mobility& free);
 
+  [[nodiscard]] const std::vector<Cluster>& clusters() const noexcept { return clusters_; }
   [[nodiscard]] bool any() const noexcept { return !clusters_.empty(); }
   // Null: it has no rigid connections, or is none of those struck.
   [[nodiscard]] const Place* find(std::uint32_t node) const noexcept {

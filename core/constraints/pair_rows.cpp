@@ -57,10 +57,15 @@ bool set_mobility(PairRow& row, const MovedNodes& nodes) {
   row.mobility = row.across = 0.0;
   row.coupled = cluster_mobility(row, nodes);
   const bool is_coupled = !row.coupled.isZero(0.0);
+  double in_clusters = 0.0;  // 1/kg, if they were alone
   for (int i = 0; i < row.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (nodes.in_cluster(row.nodes[k]) != nullptr) continue;
     const double square = row.weights[k] * row.weights[k];
+    const double own = nodes.blocks == nullptr ? (*nodes.mobility)[row.nodes[k]] : norm_of(row.nodes[k], nodes);
+    if (nodes.in_cluster(row.nodes[k]) != nullptr) {
+      in_clusters += square * own;
+      continue;
+    }
     const OnObstacle* const on = held_back(row, k, nodes);
     if (on != nullptr && on->sticks) continue;
     const auto change_by_unit = [&](const Vector3& direction) {
@@ -68,7 +73,7 @@ bool set_mobility(PairRow& row, const MovedNodes& nodes) {
       return on == nullptr ? change : Vector3(change - on->normal * on->normal.dot(change));
     };
     row.mobility += square * row.normal.dot(change_by_unit(row.normal));
-    row.across += square * (nodes.blocks == nullptr ? (*nodes.mobility)[row.nodes[k]] : norm_of(row.nodes[k], nodes));
+    row.across += square * own;
     for (Eigen::Index c = 0; is_coupled && c < 3; ++c) row.coupled.col(c) += square * change_by_unit(Vector3::Unit(c));
   }
   if (is_coupled) {
@@ -76,7 +81,8 @@ bool set_mobility(PairRow& row, const MovedNodes& nodes) {
     row.across = row.coupled.norm();
   }
   // What is pressed onto obstacles from both sides, or belongs to one rigid body, cannot be moved along its normal.
-  return row.mobility > 1e-12 * row.across;
+  // What constraints leave of a cluster's mobility then is rounding of what its nodes would have alone.
+  return row.mobility > 1e-12 * row.across && row.mobility > 1e-9 * in_clusters;
 }
 
 void push(std::uint32_t node, const Vector3& impulse, double lever, const MovedNodes& nodes) {
@@ -133,8 +139,8 @@ Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing) {
   return impulse;
 }
 
-// Where rigid bodies turn, what presses and friction change each other. Solving for both at once is slower where pairs
-// are redundant, and converges where one after the other does not: it follows after so many iterations.
+// Iterations after which friction and what presses are found at once where rigid bodies turn, so that each changes the
+// other: slower where pairs are redundant, but it converges where one after the other does not.
 constexpr int patience_with_coupled = 300;
 
 // One Gauss-Seidel iteration over all rows. together: see above. Returns the greatest change of a gap or of a slip, m.
@@ -164,7 +170,8 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length,
     row.impulse = impulse;
     apply(row, change, nodes);
     const double moves = row.by_rate ? length : row.lever;
-    greatest = std::max(greatest, change.norm() * row.mobility * moves);
+    const double answer = row.coupled.isZero(0.0) ? row.mobility : row.across;
+    greatest = std::max(greatest, change.norm() * answer * moves);
   }
   return greatest;
 }

@@ -59,7 +59,7 @@ struct MovedNodes {
   // [node] A pair pushes those that are on obstacles along them only, or not at all, unless it pushes them off. Null:
   // none is.
   const std::map<std::uint32_t, OnObstacle>* on_obstacles = nullptr;
-  // Of nodes with rigid connections, whose obstacles these know. Null: none has any.
+  // Of nodes with rigid connections; their response includes their obstacles. Null: none has any.
   const ClusterResponses* clusters = nullptr;
 
   // Null: it moves alone.

@@ -389,6 +389,44 @@ double RigidConnections::max_length_rate(const springnet_const_vectors& position
   return greatest;
 }
 
+// W - W G^T (G W G^T)^-1 G W, the columns of some nodes.
+Eigen::MatrixXd RigidConnections::response(const Placement& at, std::size_t number,
+                                           const springnet_const_vectors& position,
+                                           const std::vector<std::uint32_t>& struck,
+                                           const ConstraintSystem::Mobility& free) const {
+  const Cluster& cluster = clusters_[number];
+  std::vector<Vector3> positions;
+  std::vector<Touch> touches;
+  for (const std::uint32_t k : cluster.nodes) {
+    positions.push_back(vector_at(position, k));
+    touches.push_back(contact_.now(k));
+  }
+  const auto mobility = [&](std::uint32_t node) {
+    const Touch& touch = touches[member_of_[node]];
+    const bool stays = contact_.fixed()[node] != 0 || (touch.surface >= 0 && !touch.slides);
+    return stays ? Matrix3(Matrix3::Zero()) : Matrix3(free(node));
+  };
+  ConstraintSystem system;
+  system.set(rows_of(at, cluster, touches, positions), mobility);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3 * cluster.nodes.size()),
+                                                 static_cast<Eigen::Index>(3 * struck.size()));
+  for (std::size_t j = 0; j < struck.size(); ++j) {
+    const Matrix3 own = mobility(struck[j]);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::Index column = static_cast<Eigen::Index>(3 * j) + c;
+      const auto add = [&](std::uint32_t node, const Vector3& change) {
+        result.block<3, 1>(3 * static_cast<Eigen::Index>(member_of_[node]), column) += change;
+      };
+      add(struck[j], own.col(c));
+      const auto velocity = [&](std::uint32_t node) {
+        return node == struck[j] ? Vector3(own.col(c)) : Vector3(Vector3::Zero());
+      };
+      system.for_each_change(system.solve(-system.rates(velocity)), add);
+    }
+  }
+  return result;
+}
+
 std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors& position) const {
   std::vector<ConstraintRow> rows;
   rows.reserve(rods_.size());

@@ -105,12 +105,16 @@ class RigidConnections {
   // The constraint rows of all rods at these positions.
   [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
   // How a cluster answers impulses on some of its nodes, `struck`, 1/kg: three rows a node of the cluster, three
-  // columns a struck one. on_obstacles: those that hold its nodes, or that they slide on, act from both sides; else
-  // none does. free: of nodes that can move, 1/kg.
+  // columns a struck one. Nodes on obstacles stay on them, and slide unless they are held. free: of nodes that can
+  // move, 1/kg.
   [[nodiscard]] Eigen::MatrixXd response(const Placement& at, std::size_t cluster,
                                          const springnet_const_vectors& position,
-                                         const std::vector<std::uint32_t>& struck, bool on_obstacles,
+                                         const std::vector<std::uint32_t>& struck,
                                          const ConstraintSystem::Mobility& free) const;
+  // Whether a node has rigid connections.
+  [[nodiscard]] bool is_joined(std::uint32_t node) const noexcept {
+    return !cluster_of_.empty() && cluster_of_[node] != ConstraintRow::no_node;
+  }
   // 1/mass, zero for a node that cannot move; 1/kg.
   [[nodiscard]] Eigen::Matrix3d mobility(std::uint32_t node) const;
 

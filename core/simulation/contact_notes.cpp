@@ -30,6 +30,14 @@ void note_unresolved(Model& model, std::uint32_t node, double time) {
       time, model.user_number(node)));
 }
 
+void note_held_friction(Model& model, const std::string& pair, double time) {
+  if (model.journal.count("held_friction") > 1.0) return;
+  model.journal.note(
+      fmt::format("At {:g} s friction between bodies did not settle and was held as it was: {} slip, although it is "
+                  "within its limit; use a smaller time step. Such steps are counted as held_friction.",
+                  time, pair));
+}
+
 springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time) {
   const std::uint32_t* clusters = model.rigid.cluster_of();
   const bool rods = clusters != nullptr && clusters[node] != ConstraintRow::no_node;

@@ -26,9 +26,8 @@ void add_body_forces(const Model& model, Reactions& reactions) {
   if (model.constraints.bodies().touching().empty()) return;
   const springnet_const_vectors p = read_only(model.state.view.position);
   const std::shared_ptr<const Placement> now = model.placement_now();
-  const std::uint32_t* const clusters = model.rigid.cluster_of();
   for_each_body_force(model, [&](std::uint32_t k, const Vector3& force) {
-    if (clusters != nullptr && clusters[k] != ConstraintRow::no_node) return;
+    if (model.rigid.is_joined(k)) return;
     const Touch of = model.contact.committed(k);
     if (model.contact.fixed()[k] != 0 || (of.surface >= 0 && !of.slides))
       reactions.node[k] -= force;

@@ -93,9 +93,8 @@ springnet_status ImpulseLedger::book_anchored(const AnchoredCluster& anchored, R
 // of what surfaces are reported to exert, and no impulse besides.
 Vector3 ImpulseLedger::own_part_of_push(std::uint32_t node, const Placement& at) const {
   const BodyPushes& pushes = model_.constraints.pushes();
-  const std::uint32_t* const clusters = model_.rigid.cluster_of();
   if (pushes.count() == 0 || pushes.pushed()[node] == 0) return Vector3::Zero();
-  if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) return Vector3::Zero();  // see below
+  if (model_.rigid.is_joined(node)) return Vector3::Zero();  // reactions of its cluster include them
   const Vector3 push = pushes.impulse(node);
   if (!model_.contact.committed(node).slides) return -push;
   const std::vector<Vector3> normals = model_.contact.normals(at, node, vector_at(model_.state.view.position, node));
@@ -105,11 +104,10 @@ Vector3 ImpulseLedger::own_part_of_push(std::uint32_t node, const Placement& at)
 // Pushes on one node of a cluster reach the obstacles of the others: they are part of its reactions. N.
 std::map<std::uint32_t, Vector3> ImpulseLedger::pushes_on_clusters() const {
   std::map<std::uint32_t, Vector3> result;
-  const std::uint32_t* const clusters = model_.rigid.cluster_of();
-  if (clusters == nullptr || !(done_.weight > 0.0)) return result;
+  if (!(done_.weight > 0.0)) return result;
   const BodyPushes& pushes = model_.constraints.pushes();
   for (const std::uint32_t k : pushes.nodes())
-    if (clusters[k] != ConstraintRow::no_node) result[k] = pushes.impulse(k) / done_.weight;
+    if (model_.rigid.is_joined(k)) result[k] = pushes.impulse(k) / done_.weight;
   return result;
 }
 

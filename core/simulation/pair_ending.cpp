@@ -42,7 +42,7 @@ ClusterResponses clusters_of(const Model& model, const PairEnding& step, const s
     struck.insert(nodes.begin(), nodes.begin() + count);
   }
   result.set(model.rigid, *model.placement(step.until), read_only(step.nodes.position), {struck.begin(), struck.end()},
-             true, [&](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model.mass[node]; });
+             [&](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model.mass[node]; });
   return result;
 }
 
@@ -75,8 +75,7 @@ PairRow row_of(const BodyContacts& bodies, proximity::PairKind kind, proximity::
 bool is_on_obstacle(const Model& model, const Placement& at, std::uint32_t node, const Touch& touch,
                     const Vector3& position, OnObstacle& on) {
   if (touch.surface < 0 || model.contact.fixed()[node] != 0) return false;
-  const std::uint32_t* const clusters = model.rigid.cluster_of();
-  if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) return false;  // see ClusterResponses
+  if (model.rigid.is_joined(node)) return false;  // the response of its cluster includes them
   const auto surface = static_cast<std::size_t>(touch.surface);
   // Coulomb's friction gives way to a push; how far, the obstacle says.
   const Friction& friction = model.contact.obstacles()[surface].friction();
@@ -100,13 +99,17 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   if (clusters.any()) nodes.clusters = &clusters;
   std::vector<PairRow> rows;
   std::vector<EndingPair*> of_row;
+  std::set<const EndingPair*> held;  // that nothing can move: they go on touching
   for (const proximity::NearPair& each : near) {
     const auto known = pairs.find(std::pair(each.kind, each.pair));
     const bool pushed = known != pairs.end() && known->second.row.normal.dot(known->second.impulse) > 0.0;
     // Beside the border of a face its direction is not that of the face, however small the gap.
     if (!pushed && each.gap > 2.0 * tolerance.accuracy) continue;
     PairRow row = row_of(bodies, each.kind, each.pair, each.separation);
-    if (!set_mobility(row, nodes)) continue;
+    if (!set_mobility(row, nodes)) {
+      if (pushed) held.insert(&known->second);
+      continue;
+    }
     EndingPair& ending = pairs[std::pair(each.kind, each.pair)];
     if (ending.bounced) continue;
     row.by_rate = true;
@@ -148,7 +151,7 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
     const Vector3 impulse = pair.impulse + at_end;
     const bool acts = pair.row.normal.dot(impulse) > 0.0;
     if (!pair.touched && acts) record_pair(model, Event::Kind::met, pair.row, step, impulse);
-    if (stays[&pair] && (pair.touched || acts)) {
+    if ((stays[&pair] || held.contains(&pair)) && (pair.touched || acts)) {
       const Vector3 guess = step.in_halves ? Vector3(2.0 * at_end) : pair.impulse;
       touching.push_back({key.first, key.second, impulse / step.length, guess / step.length});
     } else if (pair.touched || acts) {

@@ -243,10 +243,8 @@ namespace {
 // As means over the last step, N.
 std::map<std::uint32_t, Vector3> body_forces_on_clusters(const Model& model) {
   std::map<std::uint32_t, Vector3> result;
-  const std::uint32_t* const clusters = model.rigid.cluster_of();
-  if (clusters == nullptr) return result;
   for_each_body_force(model, [&](std::uint32_t node, const Vector3& force) {
-    if (clusters[node] != ConstraintRow::no_node) result.try_emplace(node, Vector3::Zero()).first->second += force;
+    if (model.rigid.is_joined(node)) result.try_emplace(node, Vector3::Zero()).first->second += force;
   });
   return result;
 }

@@ -132,6 +132,8 @@ springnet_status Engine::commit(double time, State& state) {
   state.view.is_swept = 0;
   calls_.check_commit(time, state, is_finite);
   if (const springnet_status room = check_room(model_, time, state); room != SPRINGNET_OK) return room;
+  if (sweep_.done().any)
+    if (const springnet_status apart = sweep_.pairs().check(state.view.position); apart != SPRINGNET_OK) return apart;
   if (state.view.force_is_current != 0 && !state.forces_finite()) state.view.force_is_current = 0;
   model_.begin_internal_steps();
   model_.state.swap(state);

@@ -13,6 +13,7 @@
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
+#include "simulation/contact_notes.hpp"
 #include "simulation/pair_ending.hpp"
 
 namespace springnet {
@@ -32,6 +33,8 @@ constexpr int patience_of_newton = 25, patience_of_others = 60, sweeps_to_rest =
 constexpr double falls_by = 0.8;
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
 constexpr double failed_gap = 300.0;
+
+constexpr double little_slip = 1e-4;  // of the thickness, within a step: of friction that was held
 
 // Friction at less than this share of its limit does not slip.
 constexpr double inside_cone = 1.0 - 1e-9;
@@ -193,7 +196,14 @@ void SweepPairs::know_clusters(const springnet_sweep& sweep, const Placement& at
     if (sweep.inertia == nullptr) return Matrix3::Identity() / model_.mass[node];
     return Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}).inverse();
   };
-  clusters_.set(model_.rigid, at, read_only(sweep.next_position), model_.constraints.pushes().nodes(), true, free);
+  clusters_.set(model_.rigid, at, read_only(sweep.next_position), model_.constraints.pushes().nodes(), free);
+}
+
+// Impulses moved rigid bodies along straight lines. Lengths that cannot be kept are an error of the next sweep.
+void SweepPairs::keep_lengths(const springnet_sweep& sweep, const Placement& at) {
+  springnet_message unused{};
+  for (const ClusterResponses::Cluster& cluster : clusters_.clusters())
+    static_cast<void>(model_.rigid.project(at, cluster.number, sweep.next_position, sweep.next_velocity, unused));
 }
 
 MovedNodes SweepPairs::moved(const springnet_sweep& sweep) const {
@@ -244,8 +254,7 @@ void SweepPairs::push(const springnet_sweep& sweep) {
   std::vector<Vector3> before;
   for (const std::uint32_t k : pushes.nodes()) before.push_back(pushes.impulse(k));
   store_pushes();
-  MovedNodes nodes = moved(sweep);
-  nodes.on_obstacles = nullptr;
+  const MovedNodes nodes = moved(sweep);
   const double weight = weight_of(sweep);
   for (std::size_t i = 0; i < before.size(); ++i) {
     const std::uint32_t k = pushes.nodes()[i];
@@ -370,7 +379,7 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
     rows_.resize(contacts_.size());
     reactions_.clear();
   };
-  bool all_done = false;
+  bool all_done = false, changed = false;
   for (int round = 0; round < most_rounds && !all_done; ++round) {
     if (reactions_.empty()) add_obstacles(sweep, *at);
     know_clusters(sweep, *at);
@@ -383,11 +392,13 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
       all_done = !find(sweep);
       continue;
     }
+    changed = true;
     push(sweep);
     find_impulses(nodes, weight, {sweep_accuracy * tolerance.accuracy, tolerance.gap, patience, most_pair_iterations});
     store_pushes();
   }
   finish();
+  if (changed) keep_lengths(sweep, *at);
   if (!all_done) find(sweep);  // for the next one
   store_rows();
   if (sweep.constraint_force.x == nullptr) return;
@@ -400,30 +411,56 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   put_back(sweep);
 }
 
-springnet_status SweepPairs::commit(const State& before) {
-  BodyContacts& bodies = model_.constraints.bodies();
+// Held friction may leave pairs that slip, though it would have force enough to stop them.
+void SweepPairs::note_slips() {
+  if (friction_share_ > 0.0) return;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const PairRow& row = rows_[r];
+    if (!presses(row) || !sticks(row) || row.is_blocked) continue;
+    const Vector3 rate = relative(row, model_.state.view.velocity);
+    const double way = length_ * (rate - row.normal * row.normal.dot(rate)).norm();
+    if (way <= little_slip * contacts_[r].thickness) continue;
+    note_held_friction(model_, model_.constraints.bodies().describe(row.kind, row.pair), model_.time);
+    return;
+  }
+}
+
+springnet_status SweepPairs::fail(const std::string& why) const {
+  set_message(model_.journal.message,
+              fmt::format("contact of bodies does not converge in a step of {:g} s ({}); use a smaller time step, or "
+                          "unsettled = \"adapt\", which divides such steps",
+                          length_, why));
+  return SPRINGNET_RECOVERABLE;
+}
+
+springnet_status SweepPairs::check(const springnet_vectors& position) {
   if (!no_list_.empty()) {
     set_message(model_.journal.message, no_list_);
     return SPRINGNET_RECOVERABLE;
   }
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const double most = rows_.empty() ? 0.0 : failed_gap * PairTolerances(model_).gap;
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    if (const double gap = renew(r, position); gap < -most && !rows_[r].is_blocked)
+      return fail(fmt::format("{} overlap by {:g} m", bodies.describe(rows_[r].kind, rows_[r].pair), -gap));
+  return SPRINGNET_OK;
+}
+
+springnet_status SweepPairs::commit(const State& before) {
+  BodyContacts& bodies = model_.constraints.bodies();
   if (rows_.empty() && bodies.touching().empty()) return SPRINGNET_OK;
   const springnet_vectors &position = model_.state.view.position, &velocity = model_.state.view.velocity;
-  const PairTolerances tolerance(model_);
   const std::shared_ptr<const Placement> at = model_.placement(model_.time);
   const auto free = [this](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model_.mass[node]; };
-  clusters_.set(model_.rigid, *at, read_only(position), model_.constraints.pushes().nodes(), true, free);
-  double worst = 0.0;
-  std::size_t deepest = 0;
+  clusters_.set(model_.rigid, *at, read_only(position), model_.constraints.pushes().nodes(), free);
+  note_slips();
   EndingPairs pairs;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     EndingPair& pair = pairs[{rows_[r].kind, rows_[r].pair}];
     pair.row = rows_[r];
     pair.impulse = rows_[r].impulse;
     pair.rebound = rebound(r, velocity);
-    if (const double gap = renew(r, position); gap < worst && !rows_[r].is_blocked) {
-      worst = gap;
-      deepest = r;
-    }
+    static_cast<void>(renew(r, position));
   }
   if (mobility_.empty()) mobility_ = pair_mobility(model_);
   std::map<std::uint32_t, OnObstacle> on_obstacles;
@@ -432,17 +469,8 @@ springnet_status SweepPairs::commit(const State& before) {
       on_obstacles[k] = on;
   const MovedNodes nodes{position, velocity, &mobility_, nullptr, on_obstacles.empty() ? nullptr : &on_obstacles};
   const PairEnding ending{model_.time, length_, nodes, read_only(before.view.velocity), false};
-  const bool failed = worst < -failed_gap * tolerance.gap;
-  if (failed || end_pairs(model_, ending, std::move(pairs)) != SPRINGNET_OK) {
-    set_message(model_.journal.message,
-                fmt::format("the contacts of bodies, {} pairs, do not converge in a step of {:g} s{}; use a smaller "
-                            "time step",
-                            rows_.size(), length_,
-                            failed ? fmt::format(" ({} overlap by {:g} m)",
-                                                 bodies.describe(rows_[deepest].kind, rows_[deepest].pair), -worst)
-                                   : std::string()));
-    return SPRINGNET_RECOVERABLE;
-  }
+  if (end_pairs(model_, ending, std::move(pairs)) != SPRINGNET_OK)
+    return fail(fmt::format("impulses of {} pairs at its end", rows_.size()));
   model_.stale.forces = true;
   ++model_.load_revision;
   return SPRINGNET_OK;

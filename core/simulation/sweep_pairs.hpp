@@ -35,6 +35,8 @@ class SweepPairs {
   // Keeps bodies apart in the outputs of a sweep, which all other constraints have been applied to.
   // of_newton: a sweep that solved for all nodes at once.
   void constrain(const springnet_sweep& sweep, bool of_newton);
+  // Before these outputs of the last sweep are committed (m): SPRINGNET_RECOVERABLE, with a message, if bodies overlap.
+  springnet_status check(const springnet_vectors& position);
   // At the committed outputs of the last sweep. before: the state at the start of the step.
   springnet_status commit(const State& before);
 
@@ -56,6 +58,7 @@ class SweepPairs {
   [[nodiscard]] double rebound(std::size_t row, const springnet_vectors& velocity) const;
   void know_inertia(const springnet_sweep& sweep, const PairRow& row);
   void know_clusters(const springnet_sweep& sweep, const Placement& at);
+  void keep_lengths(const springnet_sweep& sweep, const Placement& at);
   [[nodiscard]] MovedNodes moved(const springnet_sweep& sweep) const;
   // Gives nodes the impulses that the rows have now.
   void push(const springnet_sweep& sweep);
@@ -64,6 +67,8 @@ class SweepPairs {
   [[nodiscard]] bool is_finite(const springnet_sweep& sweep) const;
   void find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy);
   void add_obstacles(const springnet_sweep& sweep, const Placement& at);
+  void note_slips();
+  springnet_status fail(const std::string& why) const;
   bool renew_row(std::size_t row, const springnet_sweep& sweep, const Placement& at, const MovedNodes& nodes,
                  const PairTolerances& tolerance);
 

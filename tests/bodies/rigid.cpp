@@ -130,6 +130,11 @@ std::vector<Method> methods(double force_tolerance) {
   return result;
 }
 
+void check_lengths(const Network& net, const Simulation& s) {
+  for (const Rigid& rod : net.rigids())
+    CHECK((s.position(rod.first) - s.position(rod.second)).norm() == doctest::Approx(rod.length).epsilon(1e-9));
+}
+
 // Advances to the end of the step in which something meets.
 void advance_to_meeting(Simulation& s) {
   for (int i = 0; i < 10000 && s.events().empty(); ++i) s.step();
@@ -164,11 +169,9 @@ TEST_CASE("a ball that strikes a rigid body of nodes moves and turns it as rigid
       }
       CHECK((momentum(scene.net, s) - before).norm() <= 1e-12);
       CHECK((angular_momentum(scene.net, s) - turning).norm() <= 1e-4);
+      check_lengths(scene.net, s);
       advance(s, 1000);
-      for (NodeIndex i = 0; i < 4; ++i)
-        for (NodeIndex j = 0; j < i; ++j)
-          CHECK((s.position(i) - s.position(j)).norm() ==
-                doctest::Approx((scene.net.nodes()[i].position - scene.net.nodes()[j].position).norm()).epsilon(1e-11));
+      check_lengths(scene.net, s);
     }
   }
 }
@@ -276,6 +279,53 @@ TEST_CASE("a dropped stack of ten rigid blocks comes to rest, and none enters an
     if (s.steps() % 10 == 0) REQUIRE(count_crossings(net, s) == 0);
   }
   check_rest(net, s, 10);
+}
+
+// A turned block between a wall and a load: with friction of the floor the wall bears between the load and what
+// friction leaves of it. Nothing moves, so that pairs stay, with the same force.
+TEST_CASE("a rigid block that is pressed against a wall goes on touching it") {
+  const double load = 5.0, mass = 0.8;
+  for (const double mu : {0.0, 0.2}) {
+    for (const Method& method : methods(1e-8)) {
+      if (method.theta < 1.0) continue;
+      CAPTURE(mu);
+      CAPTURE(method.name);
+      Network net;
+      const Friction friction = mu > 0.0 ? Friction{Friction::Kind::coulomb, mu} : frictionless;
+      add_sheet(net, "wall", 5, 1.0, {0, 0, 0.3}, Vector3::UnitY(), Vector3::UnitZ(), 0.02, 1.0, true);
+      net.begin_body("block");
+      const auto first = static_cast<NodeIndex>(net.nodes().size());
+      for (int k = 0; k < 8; ++k)
+        net.add_node(point({0.03 + 0.2 * (k & 1), 0.013 + 0.2 * (k >> 1 & 1), 0.2 * (k >> 2)}, mass / 8.0));
+      net.end_body();
+      net.set_extent(1, 0.0, 0.02);
+      join(net, first, 8);
+      touch(net, 0, 1, friction);
+      Plane floor;
+      floor.friction = friction;
+      net.add_plane(floor);
+      Load push;
+      for (NodeIndex k = first; k < first + 8; ++k) push.nodes.push_back(k);
+      push.force = Vector3(-load / 8.0, 0, 0);
+      net.add_load(push);
+      net.set_gravity({0, 0, -g});
+      Simulation s = simulate(net, method.integrator, 0.005);
+      advance(s, 20);
+      const std::size_t events = s.events().size();
+      const auto pressing = [&] {
+        double sum = 0.0;
+        for (const BodyTouch& each : s.body_touches()) sum += std::abs(each.force[0]);
+        return sum;
+      };
+      const double before = pressing();
+      advance(s, 20);
+      CHECK(s.events().size() == events);
+      CHECK(pressing() == doctest::Approx(before).epsilon(1e-6));
+      CHECK(pressing() <= load * (1.0 + 1e-6));
+      CHECK(pressing() >= (load - mu * (mass * g + mu * load)) * (1.0 - 1e-6));
+      for (NodeIndex k = first; k < first + 8; ++k) CHECK(s.velocity(k).norm() <= 1e-7);
+    }
+  }
 }
 
 TEST_CASE("what rests on a rigid frame presses through its connections") {

@@ -60,10 +60,10 @@ void Newton::attach(const springnet_network& network) {
   pinned_.assign(n, 0);
   status_.assign(n, SPRINGNET_FREE);
   linearised_ = false;
-  has_friction_.clear();
+  in_contact_.clear();
   for (std::size_t k = 0; k < n; ++k) {
-    if (network.cluster[k] != no_node && network.cluster[k] >= has_friction_.size())
-      has_friction_.resize(network.cluster[k] + std::size_t{1});
+    if (network.cluster[k] != no_node && network.cluster[k] >= in_contact_.size())
+      in_contact_.resize(network.cluster[k] + std::size_t{1});
   }
   pushed_.assign(network.body_contact_count > 0 ? n : 0, 0);
   if (network.surface_count == 0 && network.body_contact_count == 0) return;
@@ -100,9 +100,9 @@ void Newton::assess(const Step& step, const springnet_state& state, Assessment& 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = axis * n + k;
-      const double acceleration = joined_without_friction(step, k) ? constrained_a[axis][k] : a[axis][k];
+      const double acceleration = joined_without_contact(step, k) ? constrained_a[axis][k] : a[axis][k];
       result.free[i] = u[axis][k] - v[axis][k] - w * acceleration;
-      const bool has_constraint_force = constrained && !joined_without_friction(step, k);
+      const bool has_constraint_force = constrained && !joined_without_contact(step, k);
       const double r = has_constraint_force ? result.free[i] - w / step.network.mass[k] * c[axis][k] : result.free[i];
       result.residual[i] = pinned_[k] != 0 ? 0.0 : r;
     }

@@ -97,7 +97,7 @@ class Newton final : public Rule {
   void start_at_rest(const Step& step, const springnet_state& candidate);
   void compare_forces(Step& step);
   // Whether a node belongs to rigid connections without contact.
-  [[nodiscard]] bool joined_without_friction(const Step& step, std::size_t node) const noexcept;
+  [[nodiscard]] bool joined_without_contact(const Step& step, std::size_t node) const noexcept;
   // Whether other bodies push a node that is not held: its positions are as of a free one.
   [[nodiscard]] bool is_pushed(const Step& step, std::size_t node) const noexcept {
     return step.is_pushed(node) && pinned_[node] == 0;
@@ -113,7 +113,7 @@ class Newton final : public Rule {
   std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
   std::vector<std::uint8_t> pushed_;            // [n] SPRINGNET_NEAR …, likewise; empty without bodies in contact
-  std::vector<std::uint8_t> has_friction_;      // [cluster] 1: it has contact, or had in this step; also with bodies
+  std::vector<std::uint8_t> in_contact_;        // [cluster] 1: it has contact, or had in this step; also with bodies
   double shift_ = 0.0;                          // mu
   double kept_rate_ = 1.0;                      // slowest reduction with these derivatives
   double last_accuracy_ = 1.0;                  // of the last linear solve

@@ -64,9 +64,9 @@ bool Newton::is_partly_constrained(const Step& step, std::size_t node) const noe
   return network.cluster[node] != no_node || network.touching[node] != 0 || network.status[node] == SPRINGNET_SLIDING;
 }
 
-bool Newton::joined_without_friction(const Step& step, std::size_t node) const noexcept {
+bool Newton::joined_without_contact(const Step& step, std::size_t node) const noexcept {
   const std::uint32_t cluster = step.network.cluster[node];
-  return cluster != no_node && pinned_[node] == 0 && has_friction_[cluster] == 0;
+  return cluster != no_node && pinned_[node] == 0 && in_contact_[cluster] == 0;
 }
 
 void Newton::settle(Step& step, const springnet_state* before) {
@@ -85,7 +85,7 @@ void Newton::settle(Step& step, const springnet_state* before) {
       if (!is_partly_constrained(step, k)) continue;
       // Undo the constraints: the host finds the constraint force from the unconstrained output.
       const std::size_t i = axis * n + k;
-      if (!joined_without_friction(step, k)) next_u[axis][k] -= at_outputs_.free[i] - at_outputs_.residual[i];
+      if (!joined_without_contact(step, k)) next_u[axis][k] -= at_outputs_.free[i] - at_outputs_.residual[i];
       // Keep positions of rigidly connected nodes: from other positions the host would have to find the directions
       // again.
       if (network.cluster[k] == no_node) next_p[axis][k] = start[axis][k] + step.weight() * next_u[axis][k];
@@ -170,7 +170,7 @@ bool Newton::find_pinned(const Step& step) {
     pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
     const std::uint32_t cluster = network.cluster[k];
     const bool touches = status == SPRINGNET_STICKING || status == SPRINGNET_SLIDING || step.is_pushed(k);
-    if (cluster != no_node && touches) has_friction_[cluster] = 1;
+    if (cluster != no_node && touches) in_contact_[cluster] = 1;
   }
   return switched;
 }
@@ -183,7 +183,7 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
     Eigen::Map<NodeStep::Block>(inertia_.data() + 9 * std::size_t{k}) = network.mass[k] * NodeStep::Block::Identity();
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    const bool slides = is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_friction(step, k));
+    const bool slides = is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_contact(step, k));
     if ((pinned_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;
@@ -204,11 +204,18 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
     Eigen::Map<NodeStep::Block> inertia(inertia_.data() + 9 * std::size_t{k});
     Eigen::Vector3d change = -node.residual;
     const bool is_pinned = pinned_[k] != 0;
-    // Isotropic, with the inertia of the stiffest direction: connections under tension then turn little, and friction
-    // finds its direction.
-    const double stiffest = node.positive.operatorNorm();
-    inertia = stiffest * NodeStep::Block::Identity();
-    change /= stiffest;
+    if (!rigid && !is_pinned && step.is_pushed(k)) {
+      // Friction of bodies takes its direction from how the node answers: one that moves far more easily across a taut
+      // rope than along it would swing without end if it were as stiff in all directions.
+      inertia = node.positive;
+      change = node.positive.ldlt().solve(change).eval();
+    } else {
+      // Isotropic, with the inertia of the stiffest direction: connections under tension then turn little, and friction
+      // finds its direction.
+      const double stiffest = node.positive.operatorNorm();
+      inertia = stiffest * NodeStep::Block::Identity();
+      change /= stiffest;
+    }
     if (!rigid && is_pinned) {
       // No farther than it moved in this step: the host holds a chattering node there.
       const double distance = (at(outputs.position, k) - at(step.start.position, k)).norm();

@@ -72,10 +72,10 @@ void Newton::start(Step& step) {
   contact_changes_ = 0;
   slow_sweeps_ = 0;
   switched_ = false;
-  std::fill(has_friction_.begin(), has_friction_.end(), std::uint8_t{0});
+  std::fill(in_contact_.begin(), in_contact_.end(), std::uint8_t{0});
   for (std::uint32_t k = 0; k < network.node_count; ++k)
     if (network.cluster[k] != no_node && (network.touching[k] != 0 || step.is_pushed(k)))
-      has_friction_[network.cluster[k]] = 1;
+      in_contact_[network.cluster[k]] = 1;
   if (step.constrained()) work_.free_accelerations(step);
   assess(step, outputs, at_outputs_);
   if (step.constrained()) settle(step, nullptr);

@@ -47,12 +47,10 @@ springnet_status Recurrent::advance_once(double until, springnet_step_report& re
       attempt = propagate_again(update_ == Update::automatic ? Update::newton : attempt.update, step);
   }
   fill(report, step, attempt);
-  if (ends(attempt.verdict) || (unsettled_ == Unsettled::accept && step.finite)) {
-    take(step, attempt.verdict);
-    return SPRINGNET_OK;
-  }
-  if (unsettled_ != Unsettled::adapt)
-    throw sdk::Failure(explain(step, attempt, circumstances(step, attempt)), SPRINGNET_UNSETTLED);
+  const bool adapts = unsettled_ == Unsettled::adapt;
+  const bool is_taken = ends(attempt.verdict) || (unsettled_ == Unsettled::accept && step.finite);
+  if (is_taken && commits(step, attempt.verdict, adapts)) return SPRINGNET_OK;
+  if (!adapts) throw sdk::Failure(explain(step, attempt, circumstances(step, attempt)), SPRINGNET_UNSETTLED);
   const double middle = step.from + 0.5 * (until - step.from);
   subdivide(middle, 1, report);
   subdivide(until, 1, report);
@@ -241,19 +239,30 @@ void Recurrent::take(const Step& step, Verdict verdict) {
     work_.host.count("unsettled_steps");
 }
 
+// False: the host refuses the outputs, as of bodies that overlap, and smaller steps may help.
+bool Recurrent::commits(const Step& step, Verdict verdict, bool may_divide) {
+  try {
+    take(step, verdict);
+    return true;
+  } catch (const sdk::Failure& failure) {
+    const bool is_unchanged = work_.host.committed().time == step.from;
+    if (!failure.recoverable() || !may_divide || !is_unchanged) throw;
+    return false;
+  }
+}
+
 void Recurrent::subdivide(double until, int halvings, springnet_step_report& report) {
   Step step = make_step(until);
   const Attempt attempt = propagate_from_start(step);
   const springnet_step_report before = report;
   fill(report, step, attempt);
-  if (ends(attempt.verdict)) {
+  if (ends(attempt.verdict) && commits(step, attempt.verdict, halvings < max_halvings)) {
     // The report has the worst of the smaller steps.
     if (substeps_ > 0 && before.residual > report.residual) {
       report.residual = before.residual;
       report.force_difference = before.force_difference;
       report.node = before.node;
     }
-    take(step, attempt.verdict);
     report.substeps = ++substeps_;
     work_.host.count("substeps");
     return;

@@ -139,6 +139,7 @@ class Recurrent : public sdk::Integrator {
   // Continuation: increasing time constants, each starting from the outputs of the one before.
   Attempt raise_time_constant(Step& step, const Attempt& last);
   void take(const Step& step, Verdict verdict);
+  bool commits(const Step& step, Verdict verdict, bool may_divide);
   void subdivide(double until, int halvings, springnet_step_report& report);
   // Circumstances of a failed attempt, for its explanation.
   [[nodiscard]] Circumstances circumstances(const Step& step, const Attempt& attempt);
