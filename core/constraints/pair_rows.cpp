@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "constraints/vectors.hpp"
 
@@ -112,9 +113,10 @@ namespace {
 
 // The impulse of a row whose nodes turn with rigid bodies: friction then changes what presses, and the other way round,
 // so that both are found together. rate: m/s, of the pair. missing: m/s, along the normal.
-Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing) {
+Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing, double most_friction) {
   constexpr int most = 50;
   constexpr double accuracy = 1e-12;
+  const double friction = std::min(row.friction, most_friction);
   Vector3 impulse = row.impulse;
   const auto change = [&](const Vector3& by) {
     const Vector3 response = row.coupled * by;
@@ -128,9 +130,9 @@ Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing) {
     change((along - pressing) * row.normal);
     if (!row.keeps_across || !(along > 0.0)) {
       const Vector3 slip = rate - row.normal * row.normal.dot(rate), now = impulse - along * row.normal;
-      Vector3 across = row.friction > 0.0 && along > 0.0 ? Vector3(now - slip / row.across) : Vector3(Vector3::Zero());
+      Vector3 across = friction > 0.0 && along > 0.0 ? Vector3(now - slip / row.across) : Vector3(Vector3::Zero());
       across -= row.normal * row.normal.dot(across);
-      const double size = across.norm(), limit = along > 0.0 ? row.friction * along : 0.0;
+      const double size = across.norm(), limit = along > 0.0 ? friction * along : 0.0;
       if (size > limit) across *= limit / size;
       change(across - now);
     }
@@ -142,9 +144,14 @@ Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing) {
 // Iterations after which friction and what presses are found at once where rigid bodies turn, so that each changes the
 // other: slower where pairs are redundant, but it converges where one after the other does not.
 constexpr int patience_with_coupled = 300;
+// What holds a rigid body that turns may have to pull it, so that no impulse fits: after so many iterations friction of
+// such pairs is at most 1, as that of rigid bodies on obstacles.
+constexpr int patience_with_held = 800;
 
-// One Gauss-Seidel iteration over all rows. together: see above. Returns the greatest change of a gap or of a slip, m.
-double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, bool together) {
+// One Gauss-Seidel iteration over all rows.  Returns the greatest change of a gap or of a slip, m.
+double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, int iteration) {
+  const bool together = iteration >= patience_with_coupled;
+  const double most_friction = iteration >= patience_with_held ? 1.0 : std::numeric_limits<double>::infinity();
   double greatest = 0.0;
   for (PairRow& row : rows) {
     if (row.is_done || row.is_blocked) continue;
@@ -154,7 +161,7 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length,
     const double before = row.normal.dot(row.impulse), along = std::max(row.least, before + missing / row.mobility);
     Vector3 impulse = along * row.normal;
     if (together && !row.coupled.isZero(0.0)) {
-      impulse = coupled_impulse(row, rate, missing);
+      impulse = coupled_impulse(row, rate, missing, most_friction);
     } else if (row.keeps_across && along > 0.0) {
       impulse += row.impulse - before * row.normal;
     } else if (row.friction > 0.0 && along > 0.0) {
@@ -183,9 +190,9 @@ PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double l
   std::vector<Vector3> before(rows.size()), along(rows.size(), Vector3::Zero());
   double last = 0.0;  // square of the step before
   for (; found.iterations < accuracy.most; ++found.iterations) {
-    if (found.iterations == patience_with_coupled) last = 0.0;
+    if (found.iterations == patience_with_coupled || found.iterations == patience_with_held) last = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r) before[r] = rows[r].impulse;
-    found.residual = relax(rows, nodes, length, found.iterations >= patience_with_coupled);
+    found.residual = relax(rows, nodes, length, found.iterations);
     if (found.residual <= (found.iterations < accuracy.patience ? accuracy.wanted : accuracy.enough)) break;
     if (found.iterations + 1 == accuracy.most) continue;  // the last one has to be in the cones
     // Steps add up along conjugate directions while they become shorter.
