@@ -66,6 +66,15 @@ Network pairs_of_balls(int count) {
   return net;
 }
 
+Scene scene_of(const Network& network, double duration) {
+  Scene scene;
+  scene.network = network;
+  scene.duration = duration;
+  scene.options.time_step = 0.01;
+  scene.options.integrator = testing::verlet;
+  return scene;
+}
+
 }  // namespace
 
 TEST_CASE("a touch is stored with its node, place and force; the rest of the row has no forces") {
@@ -126,11 +135,7 @@ TEST_CASE("frames have room for as many touches as there can be, up to a bound, 
 }
 
 TEST_CASE("the estimate of a page counts the forces between bodies") {
-  Scene scene;
-  scene.network = pairs_of_balls(20);
-  scene.duration = 2.0;
-  scene.options.time_step = 0.01;
-  scene.options.integrator = testing::verlet;
+  const Scene scene = scene_of(pairs_of_balls(20), 2.0);
   const TemporaryFolder folder;
   REQUIRE_FALSE(run_scene(scene, plugins(), {folder.path(), "balls", {}}).failure);
   const auto bytes = static_cast<double>(testing::read_text(folder.path() / "view.html").size());
@@ -139,11 +144,7 @@ TEST_CASE("the estimate of a page counts the forces between bodies") {
 }
 
 TEST_CASE("a page notes that not all forces between bodies have arrows, also after it resumes without them") {
-  Scene scene;
-  scene.network = pairs_of_balls(101);
-  scene.duration = 0.05;
-  scene.options.time_step = 0.01;
-  scene.options.integrator = testing::verlet;
+  const Scene scene = scene_of(pairs_of_balls(101), 0.05);
   const TemporaryFolder folder;
   Simulation simulation(scene.network, plugins(), scene.options);
   Record record(scene.network);
