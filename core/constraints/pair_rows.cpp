@@ -148,7 +148,7 @@ constexpr int patience_with_coupled = 300;
 // such pairs is at most 1, as that of rigid bodies on obstacles.
 constexpr int patience_with_held = 800;
 
-// One Gauss-Seidel iteration over all rows.  Returns the greatest change of a gap or of a slip, m.
+// One Gauss-Seidel iteration over all rows. Returns the greatest change of a gap or of a slip, m.
 double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, int iteration) {
   const bool together = iteration >= patience_with_coupled;
   const double most_friction = iteration >= patience_with_held ? 1.0 : std::numeric_limits<double>::infinity();

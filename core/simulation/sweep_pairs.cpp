@@ -425,11 +425,10 @@ void SweepPairs::note_slips() {
   }
 }
 
-springnet_status SweepPairs::fail(const std::string& why) const {
+springnet_status SweepPairs::fail(const std::string& why, const char* or_else) const {
   set_message(model_.journal.message,
-              fmt::format("contact of bodies does not converge in a step of {:g} s ({}); use a smaller time step, or "
-                          "unsettled = \"adapt\", which divides such steps",
-                          length_, why));
+              fmt::format("contact of bodies does not converge in a step of {:g} s ({}); use a smaller time step{}",
+                          length_, why, or_else));
   return SPRINGNET_RECOVERABLE;
 }
 
@@ -442,7 +441,8 @@ springnet_status SweepPairs::check(const springnet_vectors& position) {
   const double most = rows_.empty() ? 0.0 : failed_gap * PairTolerances(model_).gap;
   for (std::size_t r = 0; r < rows_.size(); ++r)
     if (const double gap = renew(r, position); gap < -most && !rows_[r].is_blocked)
-      return fail(fmt::format("{} overlap by {:g} m", bodies.describe(rows_[r].kind, rows_[r].pair), -gap));
+      return fail(fmt::format("{} overlap by {:g} m", bodies.describe(rows_[r].kind, rows_[r].pair), -gap),
+                  ", or unsettled = \"adapt\", which divides such steps");
   return SPRINGNET_OK;
 }
 

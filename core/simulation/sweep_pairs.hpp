@@ -68,7 +68,7 @@ class SweepPairs {
   void find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy);
   void add_obstacles(const springnet_sweep& sweep, const Placement& at);
   void note_slips();
-  springnet_status fail(const std::string& why) const;
+  springnet_status fail(const std::string& why, const char* or_else = "") const;
   bool renew_row(std::size_t row, const springnet_sweep& sweep, const Placement& at, const MovedNodes& nodes,
                  const PairTolerances& tolerance);
 
