@@ -105,8 +105,8 @@ class RigidConnections {
   // The constraint rows of all rods at these positions.
   [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
   // How a cluster answers impulses on some of its nodes, `struck`, 1/kg: three rows a node of the cluster, three
-  // columns a struck one. Nodes on obstacles stay on them, and slide unless they are held. free: of nodes that can
-  // move, 1/kg.
+  // columns a struck one. Nodes on obstacles stay on them, and slide or stick as they do now. free: of nodes that
+  // can move, 1/kg.
   [[nodiscard]] Eigen::MatrixXd response(const Placement& at, std::size_t cluster,
                                          const springnet_const_vectors& position,
                                          const std::vector<std::uint32_t>& struck,
