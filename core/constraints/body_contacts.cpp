@@ -241,8 +241,9 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 72, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 98, "contacts of bodies");
   touching_.resize(count);
+  archive.flag(located_);
   for (PairTouch& each : touching_) {
     archive.below(each.kind, 3, "a kind of contact");
     const auto all = [&](bool second) -> std::uint64_t {
@@ -254,7 +255,11 @@ void BodyContacts::archive(Archive& archive) {
     archive.below(each.pair.second, any() ? all(true) : 0, "a part of a body in contact");
     archive.vector(each.force);
     archive.vector(each.guess);
-    if (!each.force.allFinite() || !each.guess.allFinite()) Archive::refuse("a force of bodies is not finite");
+    archive.flag(each.sticks);
+    archive.below(each.phase, 3, "a phase of slip");
+    archive.vector(each.slip);
+    if (!each.force.allFinite() || !each.guess.allFinite() || !each.slip.allFinite())
+      Archive::refuse("a force of bodies is not finite");
     if (!primitives().may_touch(each.kind, each.pair)) Archive::refuse("bodies touch that are not in contact");
   }
   if (archive.reads() && any()) list_->forget();
@@ -293,6 +298,7 @@ void BodyContacts::take_over(const BodyContacts& before, const layers::NumbersBe
       std::swap(touch.pair.first, touch.pair.second);
       touch.force = -touch.force;
       touch.guess = -touch.guess;
+      touch.slip = -touch.slip;
     }
     // Balls that a new spring joins touch no more.
     if (primitives().may_touch(touch.kind, touch.pair)) touching_.push_back(touch);

@@ -12,6 +12,7 @@
 
 #include <springnet/network.hpp>
 
+#include "constraints/contact.hpp"
 #include "constraints/vectors.hpp"
 #include "layers/numbers_before.hpp"
 #include "proximity/near_pairs.hpp"
@@ -30,6 +31,10 @@ struct PairTouch {
   proximity::Pair pair;
   Vector3 force = Vector3::Zero();  // N, on the first: mean over the last step
   Vector3 guess = Vector3::Zero();  // N: of that over the next step
+  // While events are located, as of nodes on obstacles: friction holds it, or it slides.
+  bool sticks = false;
+  Contact::Slip phase = Contact::Slip::ongoing;
+  Vector3 slip = Vector3::Zero();  // unit, of the first on the second: the last direction, or where the slip began
   auto key() const noexcept { return std::pair(kind, pair); }
 };
 
@@ -55,6 +60,11 @@ class BodyContacts {
   // "node 3 and the face of nodes 8, 9, 12".
   [[nodiscard]] std::string describe(proximity::PairKind kind, proximity::Pair pair) const;
   void set_touching(std::vector<PairTouch> touching) { touching_ = std::move(touching); }
+  [[nodiscard]] std::vector<PairTouch>& touching() noexcept { return touching_; }
+  // Whether an integrator locates events: up to the next one the pairs that touch go on touching, and stick or slide as
+  // they do. False: steps decide that.
+  [[nodiscard]] bool located() const noexcept { return located_; }
+  void set_located(bool located) noexcept { located_ = located; }
   void archive(Archive& archive);
   // Of the network before it was extended: pairs that touch go on touching.
   void take_over(const BodyContacts& before, const layers::NumbersBefore& numbers);
@@ -68,6 +78,7 @@ class BodyContacts {
   bool any_rigid_ = false;                          // some of their nodes have rigid connections
   std::unique_ptr<proximity::NeighbourList> list_;  // null: no contacts
   std::vector<PairTouch> touching_;
+  bool located_ = false;
 };
 
 // Whether some of the nodes in contact have rigid connections.

@@ -76,6 +76,7 @@ springnet_status ConstraintSet::project(const Placement& at, const springnet_vec
   }
   for (std::uint32_t k = 0; !contact_.obstacles().empty() && k < mass_.size(); ++k)
     if (contact_.now(k).slides && is_lone(k)) contact_.project_sliding(at, k, position, velocity);
+  project_pairs(at, position, velocity);
   return SPRINGNET_OK;
 }
 
@@ -168,7 +169,9 @@ void ConstraintSet::linearise(const Placement& at, const springnet_const_vectors
                                     contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)),
                                     surface});
   }
-  linearised_.rows.insert(linearised_.rows.end(), pushes_.rows().begin(), pushes_.rows().end());
+  const std::vector<ConstraintRow> of_pairs =
+      bodies_.located() ? rows_of(pairs_at(position, position), true) : pushes_.rows();  // velocities do not count
+  linearised_.rows.insert(linearised_.rows.end(), of_pairs.begin(), of_pairs.end());
 }
 
 Matrix3 ConstraintSet::rod_geometric_stiffness(std::size_t rod, const springnet_const_vectors& position,

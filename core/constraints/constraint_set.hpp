@@ -15,6 +15,7 @@
 #include "constraints/body_contacts.hpp"
 #include "constraints/body_pushes.hpp"
 #include "constraints/constraint_system.hpp"
+#include "constraints/pair_motion.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/rigid.hpp"
 #include "layers/linear/projection.hpp"
@@ -51,6 +52,8 @@ class ConstraintSet {
   springnet_status project(const Placement& at, const springnet_vectors& position, const springnet_vectors& velocity,
                            springnet_message& message, const std::vector<std::uint32_t>& stopped = {},
                            const Rebounds& rebounds = {}) const;
+  // Part of that. Where events are located: gaps of bodies that touch become zero, and rates, too.
+  void project_pairs(const Placement& at, const springnet_vectors& position, const springnet_vectors& velocity) const;
 
   // ---- accelerations and forces ----
   // Constrains accelerations (m/s^2, arrays from node `first`) of nodes [first, first + count) by fixation and
@@ -101,7 +104,7 @@ class ConstraintSet {
 
   // ---- small changes of a state ----
   // Stores the constraint rows at these positions: rods first, then the surfaces on which nodes slide, then pairs of
-  // bodies that press on each other, as they were in the last sweep.
+  // bodies that press on each other: as they were in the last sweep or, where events are located, as they are.
   void linearise(const Placement& at, const springnet_const_vectors& position);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return linearised_.rows; }
   // What linearise() stored, so that it can be set aside and put back.
@@ -137,6 +140,11 @@ class ConstraintSet {
   [[nodiscard]] bool is_lone(std::uint32_t node) const noexcept;  // without rigid connections
   void place_fixed(const Placement& at, std::uint32_t node, const springnet_const_vectors& start,
                    const springnet_vectors& position, const springnet_vectors& velocity) const;
+  // Of bodies_.touching(), in this order.
+  [[nodiscard]] std::vector<PairMotion> pairs_at(const springnet_const_vectors& position,
+                                                 const springnet_const_vectors& velocity) const;
+  // Along the normals; with_sticking: and across, of those that stick.
+  [[nodiscard]] std::vector<ConstraintRow> rows_of(const std::vector<PairMotion>& pairs, bool with_sticking) const;
 
   const std::vector<double>& mass_;
   Contact contact_;

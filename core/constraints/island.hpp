@@ -49,6 +49,7 @@ struct ContactNode {
   bool slipping = false;                   // at a speed: `slip` is the direction of its slip velocity
   bool slip_starting = false;              // without speed yet: the slip follows the acceleration
   bool slip_ended = false;                 // end_slip() removes what is left of its slip velocity
+  std::int32_t pair = -1;                  // of a pair of bodies, which is as a node on one side, its place
   // results
   Vector3 force = Vector3::Zero();     // N, sum over its surfaces
   std::vector<double> normal_force{};  // N, [side]

@@ -8,6 +8,7 @@
 
 namespace springnet {
 
+[[nodiscard]] inline springnet_const_vectors read_only(const springnet_vectors& v) { return {v.x, v.y, v.z}; }
 [[nodiscard]] inline Vector3 vector_at(const springnet_const_vectors& v, std::uint32_t k) {
   return {v.x[k], v.y[k], v.z[k]};
 }

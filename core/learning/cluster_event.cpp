@@ -254,7 +254,7 @@ std::optional<VectorXd> ClusterEvent::after(const Input& input, const Kept& kept
           Contact::velocity(*at, static_cast<std::size_t>(each.before.surface), vector_at(now.position, each.node)));
   if (model_.rigid.project(*at, cluster_, now.position, now.velocity, message) != SPRINGNET_OK) return std::nullopt;
   Findings findings;
-  Finding& own = findings[event_.index];
+  Finding& own = findings.nodes[event_.index];
   own.slips = event_.kind == EventKind::slip;
   own.slip_ended = event_.kind == EventKind::rest;
   if (event_.kind == EventKind::touch) own.touched.push_back(event_.surface);

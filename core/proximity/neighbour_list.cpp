@@ -26,7 +26,7 @@ NeighbourList::NeighbourList(Primitives primitives, double skin, const SearchOpt
   for (auto& component : reference_) component.resize(primitives_.nodes().size());
 }
 
-bool NeighbourList::covers(const Positions& x) const {
+bool NeighbourList::covers(const Positions& x, double margin) const {
   if (!is_valid_) return false;
   const std::vector<NodeIndex>& nodes = primitives_.nodes();
   if (nodes.empty()) return true;
@@ -49,7 +49,7 @@ bool NeighbourList::covers(const Positions& x) const {
     squared_diagonal += (high - low) * (high - low);
     middle[k] = 0.5 * (low + high);
   }
-  const double most = usable_skin * skin_;
+  const double most = std::max(0.0, usable_skin * skin_ - margin);
   if (squared_diagonal <= most * most) return true;
   if (squared_diagonal > 3.0 * most * most) return false;  // one side is longer than the skin
   // Else each by itself, within half of the skin about the middle.
@@ -65,10 +65,10 @@ bool NeighbourList::covers(const Positions& x) const {
   return greatest <= 0.25 * most * most;
 }
 
-bool NeighbourList::update(const Positions& start, const Positions& end) {
+bool NeighbourList::update(const Positions& start, const Positions& end, double bend) {
   // Relative motion along straight lines is a mean of that at the start and at the end.
   const bool moves = start.x[0] != end.x[0] || start.x[1] != end.x[1] || start.x[2] != end.x[2];
-  if (covers(start) && (!moves || covers(end))) return false;
+  if (covers(start, bend) && (!moves || covers(end, bend))) return false;
   is_valid_ = false;
   ++searches_;
   try {

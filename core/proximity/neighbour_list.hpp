@@ -28,13 +28,13 @@ class NeighbourList {
   [[nodiscard]] double skin() const noexcept { return skin_; }
 
   // After this, pairs() has every pair whose distance falls to its thickness while nodes move along straight lines from
-  // `start` to `end`. Returns whether it had to search. Throws as PairSearch::find; the list is empty then, and the
-  // next call searches.
-  bool update(const Positions& start, const Positions& end);
+  // `start` to `end`; or along lines that bend away from these by at most half of `bend` (m, below the skin). Returns
+  // whether it had to search. Throws as PairSearch::find; the list is empty then, and the next call searches.
+  bool update(const Positions& start, const Positions& end, double bend = 0.0);
   bool update(const Positions& x) { return update(x, x); }
-  // pairs() holds at these positions: no two nodes have approached by more than the skin since the search. False if a
-  // coordinate is not finite.
-  [[nodiscard]] bool covers(const Positions& x) const;
+  // pairs() holds at these positions: no two nodes have approached by more than the skin, less `margin` (m), since the
+  // search. False if a coordinate is not finite.
+  [[nodiscard]] bool covers(const Positions& x, double margin = 0.0) const;
   // Searches at the next update.
   void forget() noexcept { is_valid_ = false; }
 

@@ -7,6 +7,7 @@
 
 #include "constraints/vectors.hpp"
 #include "simulation/contact_notes.hpp"
+#include "simulation/pair_events.hpp"
 #include "simulation/settling.hpp"
 
 namespace springnet {
@@ -24,16 +25,22 @@ constexpr double no_jump = 1e-9;
 
 // Considers nodes in contact, and nodes that lie on an obstacle and may be pushed into it.
 springnet_status settle_contacts(Model& model) {
-  if (model.contact.obstacles().empty()) return SPRINGNET_OK;
+  const BodyContacts& bodies = model.constraints.bodies();
+  if (model.contact.obstacles().empty() && !bodies.located()) return SPRINGNET_OK;
   const std::shared_ptr<const Placement> at = model.placement(model.time);
   const double tolerance = model.contact_tolerance();
   Findings findings;
+  if (bodies.located()) {
+    for (const PairTouch& touch : bodies.touching()) findings.pairs[touch.key()];
+    for (const proximity::NearPair& near : pairs_apart_within(model, read_only(model.state.view.position), tolerance))
+      findings.pairs[{near.kind, near.pair}];
+  }
   for (std::uint32_t k = 0; k < model.node_count(); ++k) {
     if (model.contact.fixed()[k] != 0) continue;
     bool near = model.contact.committed(k).surface >= 0;
     for (std::size_t j = 0; j < model.contact.obstacles().size() && !near; ++j)
       near = model.contact.gap(*at, j, vector_at(model.state.view.position, k)) <= tolerance;
-    if (near) findings[k];
+    if (near) findings.nodes[k];
   }
   return settle(model, model.time, model.state, findings);
 }
@@ -47,7 +54,7 @@ springnet_status stop_penetration(Model& model) {
       if (model.contact.constrained()[k] != 0 || model.contact.committed(k).has(surface)) continue;
       if (model.contact.gap(*at, j, vector_at(model.state.view.position, k)) >= -penetration * model.scales.length)
         continue;
-      findings[k].touched.push_back(surface);
+      findings.nodes[k].touched.push_back(surface);
     }
   }
   return settle(model, model.time, model.state, findings);
@@ -93,10 +100,10 @@ Followed follow_jumps(Model& model, double from, bool leave_told) {
   for (std::uint32_t k = 0; k < model.node_count(); ++k)
     for (const std::int32_t surface : contact.committed(k).surfaces())
       if (surface >= 0 && jumps(static_cast<std::size_t>(surface), vector_at(model.state.view.position, k)))
-        findings[k];
+        findings.nodes[k];
   for (const std::uint32_t cluster : pulled)
     for (const std::uint32_t k : model.rigid.nodes_of(cluster))
-      if (contact.touching()[k] != 0) findings[k];
+      if (contact.touching()[k] != 0) findings.nodes[k];
   return {settle(model, model.time, model.state, findings), !pulled.empty()};
 }
 

@@ -11,8 +11,6 @@ namespace springnet {
 namespace {
 
 constexpr double rounding_of_force = 1e-14;  // in units of the force scale
-// Friction follows the direction of a slip faster than this multiple of the rest speed.
-constexpr double quick_slip = 4.0;
 
 }  // namespace
 
@@ -25,6 +23,8 @@ const std::vector<ContactEvents::Source>& ContactEvents::sources() {
     for (std::uint32_t k = 0; k < model_.node_count(); ++k)
       if (model_.contact.fixed()[k] == 0) add_sources_of(k, tolerance, *now);
   }
+  pair_depths_.clear();
+  if (model_.constraints.bodies().located()) add_sources_of_pairs();
   sources_revision_ = model_.revision;
   return sources_;
 }
@@ -105,6 +105,7 @@ double ContactEvents::beyond_brace(const Source& source) const {
 }
 
 springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactions, double& value) const {
+  if (source.pair >= 0) return pair_value(source, reactions, value);
   const Contact& contact = model_.contact;
   const std::uint32_t k = source.index;
   const Placement& at = reactions.placement();
@@ -228,6 +229,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
   const std::vector<Source> all = this->sources();  // they change below
   // Place sticking nodes exactly: integration errors must not decide whether and where they slip.
   model_.constraints.place(*at, read_only(model_.state.view.position), state.view.position, state.view.velocity);
+  model_.constraints.project_pairs(*at, state.view.position, state.view.velocity);
   std::vector<std::uint32_t> broken, broken_elements;
   const Topology::Rupturing& breaking = topology_.rupturing();
   const std::int32_t* const springs_fired = fired + all.size();
@@ -246,6 +248,10 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
     const Source& source = all[e];
     const std::uint32_t k = source.index;
     if (fired[e] == 0 && !(source.kind == Kind::touch && is_impacting(source, *at, state, tolerance))) continue;
+    if (source.pair >= 0) {
+      find_pair(source, state, findings);
+      continue;
+    }
     switch (source.kind) {
       case Kind::slow:
         Settling(model_, time, state, findings).keep_direction(k);
@@ -264,23 +270,23 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
         if (model_.contact.slip(k).dot(slip) > model_.no_speed())
           Settling(model_, time, state, findings).keep_direction(k);
         else
-          findings[k].slip_ended = true;
+          findings.nodes[k].slip_ended = true;
         model_.changed();
         break;
       }
       case Kind::seam:
-        findings[k];
+        findings.nodes[k];
         model_.changed();  // the reaction jumps
         break;
       case Kind::touch:
-        findings[k].touched.push_back(static_cast<std::int32_t>(source.surface));
+        findings.nodes[k].touched.push_back(static_cast<std::int32_t>(source.surface));
         model_.changed();  // the offset of a separating node's touch follows its position
         break;
       case Kind::release:
-        findings[k].released.push_back(static_cast<std::int32_t>(source.surface));
+        findings.nodes[k].released.push_back(static_cast<std::int32_t>(source.surface));
         break;
       case Kind::slip:
-        findings[k].slips = true;
+        findings.nodes[k].slips = true;
         break;
       case Kind::rest: {
         const Vector3 slip = slip_of(source);
@@ -291,12 +297,13 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
           model_.contact.set_slip(k, slip.normalized());
           model_.changed();
         } else {
-          findings[k].slip_ended = true;
+          findings.nodes[k].slip_ended = true;
         }
         break;
       }
     }
   }
+  if (model_.constraints.bodies().located()) find_impacts(state, findings);
   if (!broken.empty() || !broken_elements.empty())
     topology_.remove({broken, broken_elements, {}}, Event::Kind::ruptured, time, state.nodes());
   {

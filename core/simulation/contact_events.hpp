@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "simulation/model.hpp"
 #include "simulation/reactions_at.hpp"
+#include "simulation/settling.hpp"
 #include "simulation/topology.hpp"
 
 namespace springnet {
@@ -25,6 +28,8 @@ class ContactEvents {
     std::uint32_t surface;
     // Added to the value. Touch: depth behind the obstacle at which it counts, m; slip: N; release: m/s^2.
     double offset = 0.0;
+    // Of a pair of bodies its place among those that touch; -1: of a node and an obstacle.
+    std::int32_t pair = -1;
   };
   // For the present revision of the model.
   [[nodiscard]] const std::vector<Source>& sources();
@@ -37,6 +42,12 @@ class ContactEvents {
   // Sources are listed anew, with offsets from the committed state, now and after the next commit: in a copy, which
   // counts other revisions, that commit would do so.
   void forget() noexcept { sources_revision_ = committed_revision_ = 0; }
+  // Of pairs that do not touch but overlap at the state that was committed after the change of the network: from which
+  // depth on they touch, m; of others from the contact tolerance on.
+  [[nodiscard]] const std::map<std::pair<proximity::PairKind, proximity::Pair>, double>& pair_depths() {
+    static_cast<void>(sources());
+    return pair_depths_;
+  }
   // Of these, and after them of the springs and elements that may break.
   [[nodiscard]] std::size_t count() { return sources().size() + topology_.rupturing_count(); }
   // Values and directions of all of them, as in springnet_host::event_values.
@@ -51,7 +62,14 @@ class ContactEvents {
 
  private:
   using Kind = Source::Kind;
+  // Friction follows the direction of a slip faster than this multiple of the rest speed.
+  static constexpr double quick_slip = 4.0;
   void add_sources_of(std::uint32_t node, double tolerance, const Placement& now);
+  void add_sources_of_pairs();
+  springnet_status pair_value(const Source& source, ReactionsAt& reactions, double& value) const;
+  void find_pair(const Source& source, const State& state, Findings& findings);
+  // Pairs of bodies that approach within the contact tolerance.
+  void find_impacts(const State& state, Findings& findings);
   // Of a braced node: acceleration of its gap if it had no contact, m/s^2.
   springnet_status separating_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const Source& slip) const;      // N
@@ -61,6 +79,7 @@ class ContactEvents {
   Model& model_;
   Topology& topology_;
   std::vector<Source> sources_;
+  std::map<std::pair<proximity::PairKind, proximity::Pair>, double> pair_depths_;
   std::uint64_t sources_revision_ = 0;
   std::uint64_t committed_revision_ = 0;  // of the network at the last commit
 };

@@ -23,7 +23,8 @@ namespace {
 // What holds a node bears the forces of other bodies on it, too: all of them, or along the obstacles that it slides on
 // their normal parts. Those of nodes with rigid connections are known already.
 void add_body_forces(const Model& model, Reactions& reactions) {
-  if (model.constraints.bodies().touching().empty()) return;
+  const BodyContacts& bodies = model.constraints.bodies();
+  if (bodies.touching().empty() || bodies.located()) return;  // located: ReactionsAt knows them
   const springnet_const_vectors p = read_only(model.state.view.position);
   const std::shared_ptr<const Placement> now = model.placement_now();
   for_each_body_force(model, [&](std::uint32_t k, const Vector3& force) {

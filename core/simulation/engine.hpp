@@ -93,6 +93,9 @@ class Engine {
   // on as they moved.
   springnet_status commit_jumps(double from, bool sweeps_follow);
 
+  // At the committed state, where events are located.
+  springnet_status note_body_forces();
+
   Model model_;
   LinearModel linear_;
   Topology topology_;

@@ -82,7 +82,32 @@ Vector3 ReactionsAt::held(std::uint32_t node, Vector3 acceleration) const {
   return acceleration;
 }
 
+springnet_status ReactionsAt::bodies(const BodyMotion*& motion) {
+  motion = nullptr;
+  const BodyContacts& contacts = model_.constraints.bodies();
+  if (!contacts.located() || contacts.touching().empty()) return SPRINGNET_OK;
+  if (!bodies_) {
+    bodies_.emplace();
+    std::vector<std::uint32_t> nodes = std::move(prepared_);
+    std::vector<Vector3> accelerations = std::move(prepared_acceleration_);
+    const springnet_status status = bodies_->find(model_, *this);
+    give(std::move(nodes), std::move(accelerations));
+    if (status != SPRINGNET_OK) {
+      bodies_.reset();
+      return status;
+    }
+  }
+  motion = &*bodies_;
+  return SPRINGNET_OK;
+}
+
 springnet_status ReactionsAt::of(std::uint32_t node, Vector3& reaction) {
+  const BodyMotion* pushed = nullptr;
+  if (const springnet_status status = bodies(pushed); status != SPRINGNET_OK) return status;
+  if (const BodyMotion::OfNode* const own = pushed == nullptr ? nullptr : pushed->find(node); own != nullptr) {
+    reaction = own->reaction;
+    return SPRINGNET_OK;
+  }
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   if (clusters != nullptr && clusters[node] != 0xffffffffu) return of_cluster(clusters[node], node, reaction);
   Vector3 free;
@@ -142,7 +167,14 @@ Vector3 ReactionsAt::velocity(std::uint32_t node) const { return vector_at(veloc
 
 springnet_status ReactionsAt::acceleration(std::uint32_t node, Vector3& acceleration) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
-  if (clusters == nullptr || clusters[node] == 0xffffffffu) return free_acceleration(node, acceleration);
+  if (clusters == nullptr || clusters[node] == 0xffffffffu) {
+    const BodyMotion* pushed = nullptr;
+    springnet_status status = bodies(pushed);
+    if (status == SPRINGNET_OK) status = free_acceleration(node, acceleration);
+    const BodyMotion::OfNode* const own = pushed == nullptr ? nullptr : pushed->find(node);
+    if (own != nullptr) acceleration += own->pushed / model_.mass[node];
+    return status;
+  }
   if (const springnet_status status = know(clusters[node]); status != SPRINGNET_OK) return status;
   const std::size_t n = model_.layout.node_count();
   acceleration = {constrained_[node], constrained_[n + node], constrained_[2 * n + node]};
@@ -152,7 +184,14 @@ springnet_status ReactionsAt::acceleration(std::uint32_t node, Vector3& accelera
 springnet_status ReactionsAt::constrained(std::uint32_t node, Vector3& acceleration) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   if (clusters != nullptr && clusters[node] != 0xffffffffu) return this->acceleration(node, acceleration);
-  const springnet_status status = free_acceleration(node, acceleration);
+  const BodyMotion* pushed = nullptr;
+  springnet_status status = bodies(pushed);
+  if (status != SPRINGNET_OK) return status;
+  if (const BodyMotion::OfNode* const own = pushed == nullptr ? nullptr : pushed->find(node); own != nullptr) {
+    acceleration = own->acceleration;
+    return status;
+  }
+  status = free_acceleration(node, acceleration);
   if (status == SPRINGNET_OK) acceleration = held(node, acceleration);
   return status;
 }

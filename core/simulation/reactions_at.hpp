@@ -5,10 +5,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "layers/elements/enclosure_volumes.hpp"
+#include "simulation/body_motion.hpp"
 #include "simulation/model.hpp"
 
 namespace springnet {
@@ -60,6 +62,10 @@ class ReactionsAt {
   springnet_status constrained(std::uint32_t node, Vector3& acceleration);
   // Without obstacles and rigid connections, m/s^2.
   springnet_status unsupported(std::uint32_t node, Vector3& acceleration);
+  // The same as if nothing fixed or moved it, m/s^2.
+  springnet_status unfixed(std::uint32_t node, Vector3& acceleration) { return free_acceleration(node, acceleration); }
+  // What bodies that touch do, where their events are located; null: none touch.
+  springnet_status bodies(const BodyMotion*& motion);
   // Treats this node as free of contact from now on.
   void leave_out(std::uint32_t node) {
     without_ = node;
@@ -74,6 +80,7 @@ class ReactionsAt {
   [[nodiscard]] Vector3 free(std::uint32_t node) const { return part(free_, node); }
   [[nodiscard]] Vector3 constrained(std::uint32_t node) const { return part(constrained_, node); }
   [[nodiscard]] const springnet_const_vectors& all_positions() const noexcept { return position_; }
+  [[nodiscard]] const springnet_const_vectors& all_velocities() const noexcept { return velocity_; }
   [[nodiscard]] const Placement& placement() const noexcept { return *placement_; }
   [[nodiscard]] const std::vector<double>& tensions() const noexcept { return tension_; }  // [rod] N
 
@@ -103,6 +110,7 @@ class ReactionsAt {
   std::vector<double> free_, constrained_;  // [3 node] m/s^2
   std::vector<double> tension_;             // [rod] N
   std::vector<double> bracing_;             // [rod] N, part of tension_ by bracing; empty: none
+  std::optional<BodyMotion> bodies_;        // empty: not asked for yet
 };
 
 }  // namespace springnet

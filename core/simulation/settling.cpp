@@ -12,6 +12,7 @@
 #include "constraints/friction.hpp"
 #include "constraints/vectors.hpp"
 #include "simulation/contact_notes.hpp"
+#include "simulation/pair_events.hpp"
 
 namespace springnet {
 namespace {
@@ -54,15 +55,16 @@ Settling::Settling(Model& model, double time, State& state, const Findings& find
 
 springnet_status settle(Model& model, double time, State& state, const Findings& findings) {
   Settling settling(model, time, state, findings);
-  for (const auto& [node, finding] : findings)
+  for (const auto& [node, finding] : findings.nodes)
     if (const springnet_status status = settling.settle(node); status != SPRINGNET_OK) return status;
+  if (const springnet_status status = settling.settle_pairs(); status != SPRINGNET_OK) return status;
   return settling.finish();
 }
 
 const Finding& Settling::finding(std::uint32_t node) const {
   static const Finding none;
-  const auto found = findings_.find(node);
-  return found == findings_.end() ? none : found->second;
+  const auto found = findings_.nodes.find(node);
+  return found == findings_.nodes.end() ? none : found->second;
 }
 
 bool Settling::turns_round(std::uint32_t node, const ContactSide& side) const {
@@ -97,7 +99,7 @@ void Settling::add_sides(ContactNode& node) const {
     ContactSide side;
     side.surface = surface;
     side.normal = contact.normal(*at_, j, p);
-    side.friction = rods_ ? bounded(obstacle.friction()) : obstacle.friction();
+    side.friction = rods_ || group_ != nullptr ? bounded(obstacle.friction()) : obstacle.friction();
     side.restitution = obstacle.restitution();
     side.velocity = v - Contact::velocity(*at_, j, p);
     side.surface_acceleration = Contact::acceleration(*at_, j, p);
@@ -138,12 +140,13 @@ void Settling::restore_sticking() {
 std::vector<ContactNode> Settling::gather() const {
   std::vector<ContactNode> nodes;
   for (const std::uint32_t k : members_) {
-    if (model_.contact.fixed()[k] != 0) continue;
+    if (model_.contact.fixed()[k] != 0 || model_.contact.obstacles().empty()) continue;
     ContactNode node;
     node.node = k;
     add_sides(node);
     if (!node.sides.empty()) nodes.push_back(std::move(node));
   }
+  if (group_ != nullptr) add_pairs(nodes);
   return nodes;
 }
 
@@ -155,9 +158,20 @@ springnet_status Settling::accelerate(Island& island) {
     if (const springnet_status status = reactions.unsupported(members_[i], accelerations[i]); status != SPRINGNET_OK)
       return status;
   if (rods_) rods_->accelerate(position, velocity, accelerations);
+  const auto acceleration_of = [&](std::uint32_t k) -> Vector3 {
+    const auto place = std::lower_bound(members_.begin(), members_.end(), k);
+    if (place != members_.end() && *place == k) return accelerations[static_cast<std::size_t>(place - members_.begin())];
+    Vector3 moved;  // of one that is fixed or moved, which is no member
+    return reactions.unsupported(k, moved) == SPRINGNET_OK ? moved : Vector3::Zero();
+  };
   for (ContactNode& node : island.nodes()) {
-    const auto place = std::lower_bound(members_.begin(), members_.end(), node.node) - members_.begin();
-    node.acceleration = accelerations[static_cast<std::size_t>(place)];
+    if (node.pair >= 0) {
+      const PairMotion motion = motion_of(candidates_[static_cast<std::size_t>(node.pair)]);
+      node.acceleration = motion.relative(acceleration_of);
+      node.sides[0].target_acceleration = -motion.bias;
+      continue;
+    }
+    node.acceleration = acceleration_of(node.node);
     const Vector3 p = vector_at(position, node.node);
     for (ContactSide& side : node.sides) {
       const auto j = static_cast<std::size_t>(side.surface);
@@ -173,6 +187,10 @@ void Settling::apply_impulses(const Island& island) {
   const springnet_vectors& velocity = state_.view.velocity;
   std::vector<Vector3> impulses;
   for (const ContactNode& node : island.nodes()) {
+    if (node.pair >= 0) {
+      apply_impulse(candidates_[static_cast<std::size_t>(node.pair)], node.impulse[0]);
+      continue;
+    }
     Vector3 sum = Vector3::Zero();
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
       sum += node.impulse[s];
@@ -189,13 +207,16 @@ void Settling::apply_impulses(const Island& island) {
     rods_->push(contact_nodes_, impulses, change,
                 [&](std::uint32_t node, const Vector3& impulse) { contact.add_impulse(node, -impulse); });
   } else {
-    change(contact_nodes_.front(), impulses.front() / model_.mass[contact_nodes_.front()]);
+    std::size_t i = 0;
+    for (const ContactNode& node : island.nodes())
+      if (node.pair < 0) change(node.node, impulses[i++] / model_.mass[node.node]);
   }
   struck_ = true;
 }
 
 // Commits the contact that was found for a node.
 void Settling::commit_contact(const ContactNode& node, const Vector3& came) {
+  if (node.pair >= 0) return commit_pair(node, came);
   Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
   const Model::NodeAt at{vector_at(state_.view.position, k), came};
@@ -277,7 +298,9 @@ bool Settling::chatters(const Island& island) {
   for (const ContactNode& node : island.nodes()) {
     const bool struck = std::any_of(node.impulse.begin(), node.impulse.end(),
                                     [](const Vector3& impulse) { return !impulse.isZero(0.0); });
-    if (!struck || model_.contact.committed(node.node).surface >= 0) continue;
+    const bool was = node.pair < 0 ? model_.contact.committed(node.node).surface >= 0
+                                   : candidates_[static_cast<std::size_t>(node.pair)].was;
+    if (!struck || was) continue;
     const int touches = model_.recent_touches.count(node.node, time_, short_time);
     result = result || touches >= many_touches;
   }
@@ -338,7 +361,14 @@ springnet_status Settling::stop_and_stick(Island& island, double negligible,
 springnet_status Settling::settle(std::uint32_t node) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
   rods_.reset();
-  if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) {
+  group_ = nullptr;
+  gather_candidates();
+  if (const auto group = group_of_.find(node); group != group_of_.end()) {
+    if (group_done_[group->second] != 0) return SPRINGNET_OK;
+    group_done_[group->second] = 1;
+    group_ = &groups_[group->second];
+    members_ = group_->nodes;
+  } else if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) {
     const std::uint32_t cluster = clusters[node];
     if (done_[cluster] != 0) return SPRINGNET_OK;
     done_[cluster] = 1;
@@ -354,17 +384,22 @@ springnet_status Settling::settle(std::uint32_t node) {
   if (nodes.empty()) return SPRINGNET_OK;
   contact_nodes_.clear();
   for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
-  Island island(std::move(nodes), rods_ ? rods_->mobility(contact_nodes_)
-                                        : Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3) / model_.mass[node]));
+  Eigen::MatrixXd response = rods_ ? rods_->mobility(contact_nodes_) : mobility(nodes);
+  Island island(std::move(nodes), std::move(response));
   std::vector<Vector3> came;  // m/s, [node of the island]
-  for (const std::uint32_t each : contact_nodes_) came.push_back(vector_at(state_.view.velocity, each));
+  for (const ContactNode& each : island.nodes())
+    came.push_back(each.pair < 0
+                       ? vector_at(state_.view.velocity, each.node)
+                       : first_velocity(candidates_[static_cast<std::size_t>(each.pair)].motion,
+                                        read_only(state_.view.velocity)));
   const double approached = island.approach();
   bool struck = island.apply_impact(rebound_of(island), no_speed_);
   // No impulses end the approach of obstacles between which a body is caught.
   if (island.approach() > std::max(caught * approached, jump_)) {
     std::set<std::int32_t> surfaces;
     for (const ContactNode& each : island.nodes())
-      for (const ContactSide& side : each.sides) surfaces.insert(side.surface);
+      for (const ContactSide& side : each.sides)
+        if (side.surface >= 0) surfaces.insert(side.surface);
     return no_place(model_, node, {surfaces.begin(), surfaces.end()}, time_);
   }
   struck = stop_held(island, jump_) || struck;
@@ -403,7 +438,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     for (std::size_t i = 0; i < island.nodes().size(); ++i) {
       const ContactNode& each = island.nodes()[i];
       for (std::size_t s = 0; s < each.sides.size(); ++s)
-        if (!each.impulse[s].isZero(0.0))
+        if (each.pair < 0 && !each.impulse[s].isZero(0.0))
           model_.record(Event::Kind::jammed, time_, each.node, each.sides[s].surface,
                         {vector_at(state_.view.position, each.node), came[i]}, *at_, each.impulse[s]);
     }
@@ -418,6 +453,7 @@ springnet_status Settling::settle(std::uint32_t node) {
 }
 
 springnet_status Settling::finish() {
+  put_pairs();
   if (!struck_ && stopped_.empty()) return SPRINGNET_OK;
   model_.changed();
   return model_.constraints.project(*at_, state_.view.position, state_.view.velocity, model_.journal.message, stopped_,

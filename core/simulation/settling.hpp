@@ -1,5 +1,5 @@
 // Decides contacts at one time: which nodes touch, separate, slip or come to rest. Works island by island: a node, or
-// all nodes that rigid connections join.
+// all nodes that rigid connections join; where events are located, also all pairs of bodies that share nodes.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "constraints/island.hpp"
+#include "simulation/body_groups.hpp"
 #include "simulation/model.hpp"
 #include "simulation/reactions_at.hpp"
 
@@ -20,10 +21,18 @@ struct Finding {
   bool slip_ended = false;
 };
 
-using Findings = std::map<std::uint32_t, Finding>;  // by node
+// The same about a pair of bodies.
+struct PairFinding {
+  bool touched = false, released = false, slips = false, slip_ended = false;
+};
 
-// Decides the contacts of these nodes, and of nodes rigidly connected to them, at `time` (s), and changes `state`
-// accordingly.
+struct Findings {
+  std::map<std::uint32_t, Finding> nodes;
+  std::map<std::pair<proximity::PairKind, proximity::Pair>, PairFinding> pairs;
+};
+
+// Decides the contacts of these nodes and pairs, and of all that is connected to them, at `time` (s), and changes
+// `state` accordingly.
 springnet_status settle(Model& model, double time, State& state, const Findings& findings);
 
 class Settling {
@@ -31,6 +40,8 @@ class Settling {
   Settling(Model& model, double time, State& state, const Findings& findings);
   // Settles the island of a node, unless that was done already.
   springnet_status settle(std::uint32_t node);
+  // Those of pairs.
+  springnet_status settle_pairs();
   // Makes velocities and lengths satisfy the constraints again if anything changed.
   springnet_status finish();
   // The slip of a node is about to end: friction keeps its direction from now on.
@@ -70,6 +81,28 @@ class Settling {
   // acceleration, and its rounding: m/s^2.
   void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);
 
+  // ---- pairs of bodies, in settling_pairs.cpp ----
+  // A pair that touches, or may touch now.
+  struct Candidate {
+    PairMotion motion;
+    PairTouch touch;     // as it is, or will be
+    bool was = false;    // it touched before
+    bool stays = false;  // it touches
+    PairFinding found;
+  };
+  void gather_candidates();
+  [[nodiscard]] PairMotion motion_of(const Candidate& candidate) const;  // at the present state
+  void add_pairs(std::vector<ContactNode>& nodes) const;
+  void apply_impulse(const Candidate& pair, const Vector3& impulse);
+  void commit_pair(const ContactNode& node, const Vector3& came);
+  void keep_slip_of_pair(ContactNode& node, double friction) const;
+  void find_phase_of_pair(const ContactNode& node, const Vector3& acceleration, double negligible);
+  [[nodiscard]] bool is_known(const ContactNode& node, const ContactSide& side) const;  // in contact before
+  // Whether a pair that parted a moment ago only seems to approach: see turns_round.
+  [[nodiscard]] bool comes_back(const Candidate& pair, double speed) const;
+  void put_pairs();
+  [[nodiscard]] Eigen::MatrixXd mobility(const std::vector<ContactNode>& nodes) const;
+
   Model& model_;
   double time_;
   State& state_;
@@ -85,6 +118,12 @@ class Settling {
   std::vector<std::uint32_t> stopped_;
   Rebounds rebounds_;
   bool struck_ = false;
+  bool gathered_ = false;
+  std::vector<Candidate> candidates_;
+  std::vector<BodyGroup> groups_;
+  std::vector<std::uint8_t> group_done_;
+  std::map<std::uint32_t, std::size_t> group_of_;  // [node]
+  const BodyGroup* group_ = nullptr;               // of the island; null: it is none of bodies
 };
 
 }  // namespace springnet

@@ -20,7 +20,7 @@ void Settling::find_slips(Island& island) const {
       ContactSide& side = node.sides[s];
       side.separating = side.normal.dot(side.velocity) > no_speed_;
       // A node that arrived and was stopped is in contact, even if no force presses it.
-      const bool arrived = !node.impulse[s].isZero(0.0) && !model_.contact.committed(node.node).has(side.surface);
+      const bool arrived = !node.impulse[s].isZero(0.0) && !is_known(node, side);
       side.active = !side.separating && (side.active || arrived);
       if (side.separating) continue;
       normals.push_back(side.normal);
@@ -34,6 +34,10 @@ void Settling::find_slips(Island& island) const {
     if (node.slipping) node.slip = slip.normalized();
     node.sticks = !node.slipping && friction > 0.0 && surfaces_move_alike(node, jump_);
     // Friction keeps its direction where the slip has no speed yet, or one that errors of integration change.
+    if (node.pair >= 0) {
+      keep_slip_of_pair(node, friction);
+      continue;
+    }
     if (!model_.contact.committed(node.node).slides || node.slip_ended || friction == 0.0) continue;
     const Contact::Slip phase = model_.contact.slip_phase(node.node);
     if (phase == Contact::Slip::ongoing || (phase == Contact::Slip::ending && !node.slipping)) continue;
@@ -45,7 +49,10 @@ void Settling::find_slips(Island& island) const {
 
 // Nodes that begin to slip do so along the force that held them until now.
 void Settling::begin_slips(Island& island) const {
-  const auto slips = [this](const ContactNode& node) { return node.sticks && finding(node.node).slips; };
+  const auto slips = [this](const ContactNode& node) {
+    return node.sticks && (node.pair < 0 ? finding(node.node).slips
+                                         : candidates_[static_cast<std::size_t>(node.pair)].found.slips);
+  };
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();
   for (std::size_t i = 0; i < island.nodes().size(); ++i)
@@ -54,6 +61,7 @@ void Settling::begin_slips(Island& island) const {
 
 // A slip that is slow and becomes slower is about to end.
 void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
+  if (node.pair >= 0) return find_phase_of_pair(node, acceleration, negligible);
   Contact& contact = model_.contact;
   const std::uint32_t k = node.node;
   const Touch& touch = contact.committed(k);

@@ -8,6 +8,8 @@
 
 #include <springnet/huge_pages.hpp>
 
+#include "constraints/vectors.hpp"
+
 namespace springnet {
 
 std::uint32_t pitch_of(std::uint32_t nodes) noexcept { return (nodes + 7) / 8 * 8 + 24; }

@@ -43,6 +43,5 @@ struct State {
                                                     const layers::InternalView& internal) {
   return {p.x, p.y, p.z, v.x, v.y, v.z, &internal};
 }
-[[nodiscard]] inline springnet_const_vectors read_only(const springnet_vectors& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace springnet

@@ -21,6 +21,7 @@
 
 #include "constraints/vectors.hpp"
 #include "profile/stage.hpp"
+#include "simulation/body_impact_search.hpp"
 #include "simulation/contact_changes.hpp"
 #include "simulation/engine.hpp"
 #include "simulation/impact_search.hpp"
@@ -33,6 +34,7 @@ namespace springnet {
 
 springnet_status Engine::begin_step(double from, double until) {
   model_.step_length = until - from;
+  model_.constraints.bodies().set_located(false);
   model_.interval = until > from ? Interval{from, until} : Interval{};
   const Loads::Change loads = model_.loads.set_interval(from, until);
   if (loads != Loads::Change::none) {
@@ -45,6 +47,12 @@ springnet_status Engine::begin_step(double from, double until) {
 springnet_status Engine::begin_interval(double from, double until) {
   model_.step_length = 0.0;
   model_.interval = until > from ? Interval{from, until} : Interval{};
+  BodyContacts& bodies = model_.constraints.bodies();
+  if (bodies.any() && !bodies.located()) {
+    bodies.set_located(true);
+    model_.stale.contacts = true;
+    ++model_.revision;
+  }
   return begin(from, until, model_.loads.begin_following(from), false);
 }
 
@@ -103,7 +111,12 @@ springnet_status Engine::time_of_impact(springnet_impact_search& search) {
     explicit Guard(bool& of) : flag(of) { flag = true; }
     ~Guard() { flag = false; }
   } const guard(model_.in_callback);  // state_at must not change the model during the search
-  return ImpactSearch(model_, contact_events_.sources(), search).find(search.time);
+  const springnet_status status = ImpactSearch(model_, contact_events_.sources(), search).find(search.time);
+  if (status != SPRINGNET_OK || !model_.constraints.bodies().located()) return status;
+  double meeting = 0.0;
+  const springnet_status of_bodies = BodyImpactSearch(model_, contact_events_, search).find(meeting);
+  search.time = std::fmin(search.time, meeting);  // nan: none
+  return of_bodies;
 }
 
 springnet_status Engine::project_state(double time, const springnet_vectors& position,
@@ -155,6 +168,7 @@ springnet_status Engine::commit(double time, State& state) {
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
   if (status != SPRINGNET_OK) return status;
   committed_events_ = model_.journal.events().size();
+  if (model_.constraints.bodies().located()) status = note_body_forces();
   const profile::Stage stage("topology");
   status = topology_.perform_due_ruptures();
   topology_.perform_due_cuts();
@@ -186,6 +200,17 @@ springnet_status Engine::commit_solution(const State& before, bool jumps) {
   model_.contact.update_slip_directions(*now, read_only(position), read_only(velocity));
   // An interval has more than one step: sticking nodes are carried from where they are now.
   model_.contact.begin_step(now);
+  return status;
+}
+
+springnet_status Engine::note_body_forces() {
+  ReactionsAt reactions(model_, model_.time, read_only(model_.state.view.position),
+                        read_only(model_.state.view.velocity));
+  const BodyMotion* bodies = nullptr;
+  const springnet_status status = reactions.bodies(bodies);
+  if (bodies == nullptr) return status;
+  std::vector<PairTouch>& touching = model_.constraints.bodies().touching();
+  for (std::size_t i = 0; i < touching.size(); ++i) touching[i].force = touching[i].guess = bodies->pairs()[i].force;
   return status;
 }
 

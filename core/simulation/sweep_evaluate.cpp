@@ -8,6 +8,7 @@
 
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
+#include "simulation/reactions_at.hpp"
 #include "simulation/sweep_tiles.hpp"
 
 namespace springnet {
@@ -40,8 +41,17 @@ springnet_status Sweep::evaluate(const springnet_evaluation& wanted) {
     set_message(model_.journal.message, model_.journal.non_finite);
     return SPRINGNET_RECOVERABLE;
   }
-  if (request.acceleration.x != nullptr)
-    model_.constraints.accelerate_clusters(*at, request.position, request.velocity, request.acceleration);
+  if (request.acceleration.x == nullptr) return SPRINGNET_OK;
+  model_.constraints.accelerate_clusters(*at, request.position, request.velocity, request.acceleration);
+  if (!model_.constraints.bodies().located()) return SPRINGNET_OK;
+  layers::InternalView states = internal;
+  states.next = states.rates = nullptr;
+  ReactionsAt reactions(model_, request.time, request.position, request.velocity, states, at);
+  const BodyMotion* pushed = nullptr;
+  if (const springnet_status answer = reactions.bodies(pushed); answer != SPRINGNET_OK) return answer;
+  if (pushed == nullptr) return SPRINGNET_OK;
+  for (const auto& [node, own] : pushed->nodes())
+    if (model_.contact.fixed()[node] == 0) put_vector(request.acceleration, node, own.acceleration);
   return SPRINGNET_OK;
 }
 

@@ -193,7 +193,12 @@ bool Equations::slides() const {
   const springnet_network& network = host_.network();
   for (std::size_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
     if (network.touching[k] != 0 && network.held[k] == 0) return true;
-  return false;
+  return touches_bodies();
+}
+
+bool Equations::touches_bodies() const noexcept {
+  const springnet_network& network = host_.network();
+  return network.body_contact_count > 0 && *network.pushed_count > 0;
 }
 
 void Equations::evaluate_force(double time, springnet_state& state) {

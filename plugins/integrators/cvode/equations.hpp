@@ -64,8 +64,9 @@ class Equations {
 
   // Whether rigid connections or sliding contacts constrain the motion now.
   [[nodiscard]] bool bound() const;
-  // Whether a node slides on a surface.
+  // Whether a node slides on a surface, or bodies touch.
   [[nodiscard]] bool slides() const;
+  [[nodiscard]] bool touches_bodies() const noexcept;
 
   [[nodiscard]] const sdk::Host& host() const noexcept { return host_; }
   [[nodiscard]] std::size_t node_count() const noexcept { return host_.network().node_count; }

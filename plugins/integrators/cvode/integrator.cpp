@@ -359,7 +359,7 @@ double ReferenceIntegrator::solve_until(double target, bool& event) {
 
 bool ReferenceIntegrator::steps_reach(double target, long max_steps, double& reached, bool& event) {
   void* memory = memory_.get();
-  const bool searches = host_.network().surface_count > 0;
+  const bool searches = host_.network().surface_count > 0 || host_.network().body_contact_count > 0;
   // One step at a time if each is searched for impacts, or kept.
   const bool one_by_one = searches || settings_.dense_output;
   check(CVodeSetMaxNumSteps(memory, one_by_one ? 1 : max_steps));
@@ -433,6 +433,7 @@ void ReferenceIntegrator::require_differentiable(double time) const {
   const springnet_network& network = host_.network();
   for (std::size_t k = 0; network.surface_count > 0 && k < network.node_count; ++k)
     if (network.touching[k] != 0) refuse_event("contact", time);
+  if (equations_.touches_bodies()) refuse_event("contact of bodies", time);
 }
 
 void ReferenceIntegrator::refuse_event(const char* what, double time) {

@@ -1,0 +1,110 @@
+// Pairs of bodies that touch, as constraints of states and of their changes, where events are located.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "constraints/constraint_set.hpp"
+#include "constraints/pair_motion.hpp"
+#include "constraints/vectors.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr int most_corrections = 8;     // each squares the error
+constexpr double rounding = 4e-16;      // of positions
+constexpr double rounding_gaps = 32.0;  // times that, of the positions of a pair
+
+ConstraintRow row_along(const PairMotion& pair, const Vector3& direction) {
+  ConstraintRow row{pair.nodes[0], pair.nodes[1], direction};
+  if (pair.count > 2) row.third = pair.nodes[2];
+  if (pair.count > 3) row.fourth = pair.nodes[3];
+  row.weights = pair.weights;
+  for (std::size_t i = pair.count; i < 4; ++i) row.weights[i] = 0.0;
+  row.is_pair = true;
+  return row;
+}
+
+}  // namespace
+
+std::vector<PairMotion> ConstraintSet::pairs_at(const springnet_const_vectors& position,
+                                                const springnet_const_vectors& velocity) const {
+  std::vector<PairMotion> result;
+  for (const PairTouch& touch : bodies_.touching())
+    result.push_back(pair_motion(bodies_, touch.kind, touch.pair, position, velocity, mass_.size()));
+  return result;
+}
+
+std::vector<ConstraintRow> ConstraintSet::rows_of(const std::vector<PairMotion>& pairs, bool with_sticking) const {
+  std::vector<ConstraintRow> rows;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const PairMotion& pair = pairs[i];
+    rows.push_back(row_along(pair, pair.normal));
+    if (!with_sticking || !bodies_.touching()[i].sticks) continue;
+    const Vector3 e = pair.normal.unitOrthogonal();
+    rows.push_back(row_along(pair, e));
+    rows.push_back(row_along(pair, pair.normal.cross(e)));
+  }
+  return rows;
+}
+
+// Newton's method on the gaps, then the rates; the obstacles under nodes of pairs take part, so that neither undoes the
+// other.
+void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& position,
+                                  const springnet_vectors& velocity) const {
+  if (!bodies_.located() || bodies_.touching().empty()) return;
+  std::set<std::uint32_t> on_obstacles;
+  for (const PairMotion& pair : pairs_at(read_only(position), read_only(velocity)))
+    for (std::size_t i = 0; i < pair.count; ++i)
+      if (const std::uint32_t k = pair.nodes[i]; contact_.now(k).slides && contact_.constrained()[k] == 0)
+        on_obstacles.insert(k);
+  const auto mobility = [&](std::uint32_t node) -> Matrix3 {
+    return contact_.constrained()[node] != 0 ? Matrix3(Matrix3::Zero()) : rigid_.mobility(node);
+  };
+  const auto add_obstacles = [&](std::vector<ConstraintRow>& rows) {
+    for (const std::uint32_t k : on_obstacles)
+      for (const std::int32_t surface : contact_.now(k).surfaces())
+        if (surface >= 0)
+          rows.push_back({k, ConstraintRow::no_node,
+                          contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)), surface});
+  };
+  ConstraintSystem system;
+  const auto change = [](const springnet_vectors& values) {
+    return [&values](std::uint32_t node, const Vector3& by) {
+      put_vector(values, node, vector_at(values, node) + by);
+    };
+  };
+  for (int i = 0; i < most_corrections; ++i) {
+    const std::vector<PairMotion> pairs = pairs_at(read_only(position), read_only(velocity));
+    std::vector<ConstraintRow> rows = rows_of(pairs, false);
+    Eigen::VectorXd gaps(static_cast<Eigen::Index>(rows.size()));
+    double greatest = 0.0, size = 0.0;
+    for (std::size_t r = 0; r < pairs.size(); ++r) {
+      gaps[static_cast<Eigen::Index>(r)] = pairs[r].gap;
+      greatest = std::max(greatest, std::abs(pairs[r].gap));
+      for (std::size_t j = 0; j < pairs[r].count; ++j)
+        size = std::max(size, vector_at(position, pairs[r].nodes[j]).norm());
+    }
+    if (greatest <= rounding_gaps * rounding * size) break;
+    add_obstacles(rows);
+    gaps.conservativeResize(static_cast<Eigen::Index>(rows.size()));
+    for (std::size_t r = pairs.size(); r < rows.size(); ++r)
+      gaps[static_cast<Eigen::Index>(r)] =
+          contact_.gap(at, static_cast<std::size_t>(rows[r].surface), vector_at(position, rows[r].first));
+    system.set(std::move(rows), mobility);
+    system.for_each_change(system.solve(-gaps), change(position));
+  }
+  std::vector<ConstraintRow> rows = rows_of(pairs_at(read_only(position), read_only(velocity)), true);
+  add_obstacles(rows);
+  system.set(std::move(rows), mobility);
+  const auto rates = system.rates([&](std::uint32_t node) { return vector_at(velocity, node); },
+                                  [&](const ConstraintRow& row) {
+                                    return Contact::velocity(at, static_cast<std::size_t>(row.surface),
+                                                             vector_at(position, row.first));
+                                  });
+  system.for_each_change(system.solve(-rates), change(velocity));
+}
+
+}  // namespace springnet

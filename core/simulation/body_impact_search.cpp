@@ -1,0 +1,205 @@
+#include "simulation/body_impact_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "profile/stage.hpp"
+
+namespace springnet {
+namespace {
+
+// Times that differ by this many roundings are the same.
+constexpr double roundings = 16.0;
+// In units of the skin of the list of neighbours: of paths between two times.
+constexpr double most_bend = 0.2;
+constexpr double shortest_part = 1.0 / 1024.0;  // of the step
+// In units of the thickness: a pair this deep is inside, however uncertain positions are.
+constexpr double share_of_inside = 0.25;
+
+// Bound on the distance between a path and its chord, as for obstacles: twice that of Hermite's cubic.
+double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
+
+struct Ends {
+  std::size_t firsts, count;
+};
+Ends ends_of(proximity::PairKind kind) {
+  const auto firsts = static_cast<std::size_t>(proximity::first_nodes(kind));
+  return {firsts, firsts + static_cast<std::size_t>(proximity::second_nodes(kind))};
+}
+
+// use(i, j) of a node of the first and one of the second primitive.
+template <class Use>
+void for_each_between(const Ends& ends, const Use& use) {
+  for (std::size_t i = 0; i < ends.firsts; ++i)
+    for (std::size_t j = ends.firsts; j < ends.count; ++j) use(i, j);
+}
+
+}  // namespace
+
+BodyImpactSearch::BodyImpactSearch(Model& model, ContactEvents& events, const springnet_impact_search& search)
+    : model_(model), search_(search), depths_(events.pair_depths()), tolerance_(model.contact_tolerance()) {
+  for (const PairTouch& touch : model.constraints.bodies().touching()) touching_.insert(touch.key());
+}
+
+bool BodyImpactSearch::evaluate(double time, Instant& instant) {
+  if (status_ != SPRINGNET_OK) return false;
+  const std::size_t n = model_.node_count();
+  instant.time = time;
+  instant.values.resize(6 * n);
+  double* const x = instant.values.data();
+  const springnet_dense_output output{sizeof output, 0, time, {x, x + n, x + 2 * n}, {x + 3 * n, x + 4 * n, x + 5 * n}};
+  status_ = search_.state_at(search_.user, &output);
+  return status_ == SPRINGNET_OK;
+}
+
+proximity::Positions BodyImpactSearch::positions(const Instant& instant) const {
+  const std::size_t n = model_.node_count();
+  const double* const x = instant.values.data();
+  return positions_of({x, x + n, x + 2 * n}, n);
+}
+
+double BodyImpactSearch::gap(const Instant& at, const Watched& pair) const {
+  const proximity::Primitives& all = model_.constraints.bodies().primitives();
+  return separation(pair.kind, all.corners(pair.kind, pair.pair, positions(at))).distance -
+         all.thickness(pair.kind, pair.pair);
+}
+
+bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, const Watched& pair) const {
+  const proximity::Primitives& all = model_.constraints.bodies().primitives();
+  const std::size_t n = model_.node_count();
+  const std::array<NodeIndex, 4> nodes = all.nodes_of(pair.kind, pair.pair);
+  const std::array<Vector3, 4> start = all.corners(pair.kind, pair.pair, positions(from)),
+                               end = all.corners(pair.kind, pair.pair, positions(until));
+  const double h = until.time - from.time, reach = all.thickness(pair.kind, pair.pair) - pair.depth;
+  std::array<Vector3, 4> bent0, bent1;
+  const Ends ends = ends_of(pair.kind);
+  for (std::size_t i = 0; i < ends.count; ++i) {
+    const std::size_t k = nodes[i];
+    const auto velocity = [&](const Instant& at) {
+      return Vector3(at.values[3 * n + k], at.values[4 * n + k], at.values[5 * n + k]);
+    };
+    bent0[i] = h * velocity(from) - (end[i] - start[i]);
+    bent1[i] = h * velocity(until) - (end[i] - start[i]);
+  }
+  double travel = 0.0;  // m, of one relative to the other, at most
+  for_each_between(ends, [&](std::size_t i, std::size_t j) {
+    const Vector3 path = (end[i] - start[i]) - (end[j] - start[j]);
+    travel = std::max(travel, path.norm() + bend_of((bent0[i] - bent0[j]).norm(), (bent1[i] - bent1[j]).norm()));
+  });
+  if (is_surely_beyond(pair.kind, start, std::max(0.0, reach) + travel)) return false;
+  const proximity::Separation first = separation(pair.kind, start), last = separation(pair.kind, end);
+  if (first.distance <= reach) return false;  // it is inside already
+  if (last.distance <= reach) return true;
+  for (const Vector3& n0 : {first.direction, last.direction}) {
+    double before = std::numeric_limits<double>::infinity(), after = before, bend = 0.0;
+    for_each_between(ends, [&](std::size_t i, std::size_t j) {
+      before = std::min(before, n0.dot(start[i] - start[j]));
+      after = std::min(after, n0.dot(end[i] - end[j]));
+      bend = std::max(bend, bend_of(std::abs(n0.dot(bent0[i] - bent0[j])), std::abs(n0.dot(bent1[i] - bent1[j]))));
+    });
+    if (std::min(before, after) - bend > reach) return false;
+  }
+  return true;
+}
+
+std::optional<double> BodyImpactSearch::first(const Instant& from, const Instant& until,
+                                              const std::vector<Watched>& pairs, const Part& part) {
+  if (until.time <= part.earliest || from.time >= part.latest || status_ != SPRINGNET_OK) return std::nullopt;
+  std::vector<Watched> near;
+  for (const Watched& pair : pairs)
+    if (may_touch(from, until, pair)) near.push_back(pair);
+  if (near.empty()) return std::nullopt;
+  const double length = until.time - from.time;
+  const double size = std::max(std::abs(until.time), search_.step_until - search_.step_from);
+  if (length <= roundings * std::numeric_limits<double>::epsilon() * size) {
+    const bool touches =
+        std::any_of(near.begin(), near.end(), [&](const Watched& pair) { return gap(until, pair) <= -pair.depth; });
+    return touches ? std::optional(until.time) : std::nullopt;
+  }
+  Instant middle;
+  if (!evaluate(from.time + 0.5 * length, middle)) return std::nullopt;
+  const std::optional<double> early = first(from, middle, near, part);
+  return early ? early : first(middle, until, near, part);
+}
+
+double BodyImpactSearch::greatest_bend(const Instant& from, const Instant& until) const {
+  const std::size_t n = model_.node_count();
+  const double h = until.time - from.time;
+  double greatest = 0.0;
+  for (const NodeIndex k : model_.constraints.bodies().primitives().nodes()) {
+    Vector3 bent0, bent1;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double path = until.values[c * n + k] - from.values[c * n + k];
+      bent0[static_cast<Eigen::Index>(c)] = h * from.values[(3 + c) * n + k] - path;
+      bent1[static_cast<Eigen::Index>(c)] = h * until.values[(3 + c) * n + k] - path;
+    }
+    greatest = std::max(greatest, bend_of(bent0.norm(), bent1.norm()));
+  }
+  return greatest;
+}
+
+// The list is of straight paths: where others bend away from these too far for its skin, the time is halved.
+std::optional<double> BodyImpactSearch::first_deep(const Instant& from, const Instant& until) {
+  if (until.time <= search_.from || from.time >= search_.until || status_ != SPRINGNET_OK) return std::nullopt;
+  BodyContacts& bodies = model_.constraints.bodies();
+  const double apart = 2.0 * greatest_bend(from, until), length = until.time - from.time;
+  if (apart > most_bend * bodies.list().skin() && length > shortest_part * (search_.step_until - search_.step_from)) {
+    Instant middle;
+    if (!evaluate(from.time + 0.5 * length, middle)) return std::nullopt;
+    const std::optional<double> early = first_deep(from, middle);
+    return early ? early : first_deep(middle, until);
+  }
+  bodies.list().update(positions(from), positions(until), std::min(apart, most_bend * bodies.list().skin()));
+  std::vector<Watched> deep;
+  for (const proximity::PairKind kind : proximity::pair_kinds)
+    for (const proximity::Pair& pair : bodies.list().pairs()[kind]) {
+      if (touching_.contains({kind, pair})) continue;
+      deep.push_back({kind, pair, depth_of(kind, pair) + uncertainty(kind, pair)});
+      // What was missed touches as soon as it is found.
+      if (gap(from, deep.back()) <= -deep.back().depth && approaches(from, deep.back()))
+        return std::max(from.time, search_.from);
+    }
+  return first(from, until, deep, {search_.from, search_.until});
+}
+
+double BodyImpactSearch::depth_of(proximity::PairKind kind, proximity::Pair pair) const {
+  const auto known = depths_.find({kind, pair});
+  return known == depths_.end() ? tolerance_ : known->second;
+}
+
+double BodyImpactSearch::uncertainty(proximity::PairKind kind, proximity::Pair pair) const {
+  return std::min(search_.depth, share_of_inside * model_.constraints.bodies().primitives().thickness(kind, pair));
+}
+
+bool BodyImpactSearch::approaches(const Instant& at, const Watched& pair) const {
+  const std::size_t n = model_.node_count();
+  const double* const x = at.values.data();
+  const PairMotion motion = pair_motion(model_.constraints.bodies(), pair.kind, pair.pair, {x, x + n, x + 2 * n},
+                                        {x + 3 * n, x + 4 * n, x + 5 * n}, n);
+  return motion.normal.dot(motion.velocity) < -model_.no_speed();
+}
+
+// First finds the time at which a pair is deep enough, then the time at which it began to touch.
+springnet_status BodyImpactSearch::find(double& time) {
+  const profile::Stage stage("proximity");
+  time = std::numeric_limits<double>::quiet_NaN();
+  Instant start, end, then;
+  if (!evaluate(search_.step_from, start) || !evaluate(search_.step_until, end)) return status_;
+  const std::optional<double> inside = first_deep(start, end);
+  if (!inside || !evaluate(*inside, then)) return status_;
+  std::vector<Watched> entered;
+  for (const proximity::PairKind kind : proximity::pair_kinds)
+    for (const proximity::Pair& pair : model_.constraints.bodies().list().pairs()[kind]) {
+      const Watched each{kind, pair, depth_of(kind, pair)};
+      if (!touching_.contains({kind, pair}) && gap(then, each) <= -each.depth - uncertainty(kind, pair))
+        entered.push_back(each);
+    }
+  // No earlier than the start of the searched part: earlier searches found no pair deep enough.
+  const std::optional<double> begins = first(start, then, entered, {search_.step_from, *inside});
+  if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
+  return status_;
+}
+
+}  // namespace springnet

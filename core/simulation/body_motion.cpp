@@ -1,0 +1,133 @@
+#include "simulation/body_motion.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "constraints/friction.hpp"
+#include "constraints/island.hpp"
+#include "constraints/vectors.hpp"
+#include "profile/stage.hpp"
+#include "simulation/body_groups.hpp"
+#include "simulation/reactions_at.hpp"
+
+namespace springnet {
+namespace {
+
+// A node on obstacles, as the committed state has it.
+ContactNode on_obstacles(const Model& model, const ReactionsAt& at, std::uint32_t node, const Vector3& acceleration) {
+  const Contact& contact = model.contact;
+  const Placement& placement = at.placement();
+  const Touch touch = contact.committed(node);
+  const Vector3 p = at.position(node), v = at.velocity(node);
+  ContactNode result;
+  result.node = node;
+  result.acceleration = acceleration;
+  result.sticks = !touch.slides;
+  for (const std::int32_t surface : touch.surfaces()) {
+    if (surface < 0) continue;
+    const auto j = static_cast<std::size_t>(surface);
+    ContactSide side;
+    side.surface = surface;
+    side.normal = contact.normal(placement, j, p);
+    side.friction = bounded(contact.obstacles()[j].friction());
+    side.velocity = v - Contact::velocity(placement, j, p);
+    side.surface_acceleration = Contact::acceleration(placement, j, p);
+    side.target_acceleration = side.normal.dot(side.surface_acceleration) -
+                               contact.bias_acceleration(placement, j, p, side.velocity);
+    result.sides.push_back(side);
+  }
+  if (!touch.slides) return result;
+  result.slip = contact.slip_direction(placement, node, static_cast<std::size_t>(touch.surface), p, v);
+  result.slipping = true;
+  result.slip_starting = contact.slip_phase(node) == Contact::Slip::starting;
+  return result;
+}
+
+ContactNode of_pair(const Model& model, const PairTouch& touch, const PairMotion& motion, const Vector3& acceleration) {
+  ContactNode result;
+  result.node = motion.nodes[0];
+  result.acceleration = acceleration;
+  result.sticks = touch.sticks;
+  ContactSide side;
+  side.normal = motion.normal;
+  side.friction = bounded(model.constraints.bodies().law_of(touch.kind, touch.pair).friction);
+  side.velocity = motion.velocity;
+  side.target_acceleration = -motion.bias;
+  result.sides.push_back(side);
+  if (touch.sticks) return result;
+  result.slip = slip_direction(model, touch, motion);
+  result.slipping = true;
+  result.slip_starting = touch.phase == Contact::Slip::starting;
+  return result;
+}
+
+}  // namespace
+
+springnet_status BodyMotion::find(Model& model, ReactionsAt& at) {
+  const profile::Part part("bodies");
+  const BodyContacts& bodies = model.constraints.bodies();
+  pairs_.clear();
+  nodes_.clear();
+  std::vector<PairMotion> motions;
+  for (const PairTouch& touch : bodies.touching())
+    motions.push_back(pair_motion(bodies, touch.kind, touch.pair, at.all_positions(), at.all_velocities(),
+                                  model.node_count()));
+  std::map<std::uint32_t, Vector3> free;
+  std::vector<std::uint32_t> all;
+  for (const PairMotion& motion : motions)
+    for (std::size_t i = 0; i < motion.count; ++i) all.push_back(motion.nodes[i]);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (const springnet_status status = at.prepare(all); status != SPRINGNET_OK) return status;
+  for (const std::uint32_t k : all) {
+    Vector3 acceleration;
+    if (const springnet_status status = at.unsupported(k, acceleration); status != SPRINGNET_OK) return status;
+    free[k] = acceleration;
+    nodes_[k].acceleration = acceleration;
+  }
+  const auto free_of = [&](std::uint32_t k) -> const Vector3& { return free.at(k); };
+  std::vector<Vector3> forces(motions.size(), Vector3::Zero());
+  std::vector<double> pressing(motions.size(), 0.0);
+  for (const BodyGroup& group : body_groups(model, motions)) {
+    std::vector<ContactNode> contacts;
+    std::vector<Lever> levers;
+    for (const std::uint32_t k : group.nodes) {
+      if (model.contact.committed(k).surface < 0) continue;
+      contacts.push_back(on_obstacles(model, at, k, free.at(k)));
+      levers.emplace_back(k);
+    }
+    const std::size_t first_pair = contacts.size();
+    for (const std::size_t i : group.pairs) {
+      contacts.push_back(of_pair(model, bodies.touching()[i], motions[i], motions[i].relative(free_of)));
+      levers.emplace_back(motions[i]);
+    }
+    Island island(std::move(contacts), mobility_of(model, levers));
+    island.solve();
+    for (std::size_t i = 0; i < levers.size(); ++i) {
+      const ContactNode& contact = island.nodes()[i];
+      levers[i].for_each([&](std::uint32_t k, double weight) {
+        OfNode& node = nodes_[k];
+        (i < first_pair ? node.reaction : node.pushed) += weight * contact.force;
+        if (model.contact.fixed()[k] == 0) node.acceleration += weight / model.mass[k] * contact.force;
+      });
+      if (i < first_pair) continue;
+      forces[group.pairs[i - first_pair]] = contact.force;
+      pressing[group.pairs[i - first_pair]] = contact.normal_force[0];
+    }
+  }
+  // What fixes a node bears all that acts on it, and gives it the acceleration that it has.
+  for (auto& [k, node] : nodes_) {
+    if (model.contact.fixed()[k] == 0) continue;
+    Vector3 without;
+    if (const springnet_status status = at.unfixed(k, without); status != SPRINGNET_OK) return status;
+    node.reaction = model.mass[k] * (node.acceleration - without) - node.pushed;
+  }
+  const auto bound_of = [&](std::uint32_t k) -> const Vector3& { return nodes_.at(k).acceleration; };
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Vector3 acceleration = motions[i].relative(bound_of);
+    pairs_.push_back({std::move(motions[i]), forces[i], pressing[i], acceleration});
+  }
+  return SPRINGNET_OK;
+}
+
+}  // namespace springnet

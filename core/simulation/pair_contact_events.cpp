@@ -1,0 +1,128 @@
+// Event functions of pairs of bodies that touch: release, slip and its end.
+
+#include <cmath>
+
+#include "constraints/friction.hpp"
+#include "simulation/body_groups.hpp"
+#include "simulation/contact_events.hpp"
+#include "simulation/pair_events.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr double times_overlap = 4.0;  // from which on a pair that overlaps a little touches again
+
+}  // namespace
+
+void ContactEvents::add_sources_of_pairs() {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const double tolerance = model_.contact_tolerance();
+  for (const proximity::NearPair& each : pairs_apart_within(model_, read_only(model_.state.view.position), 0.0))
+    if (each.gap < 0.0) pair_depths_[{each.kind, each.pair}] = tolerance - times_overlap * each.gap;
+  constexpr std::uint32_t no_surface = 0xffffffffu;
+  for (std::size_t i = 0; i < bodies.touching().size(); ++i) {
+    const PairTouch& touch = bodies.touching()[i];
+    const std::uint32_t node = bodies.primitives().nodes_of(touch.kind, touch.pair)[0];
+    const auto add = [&](Kind kind) {
+      sources_.push_back({kind, node, no_surface, 0.0, static_cast<std::int32_t>(i)});
+    };
+    add(Kind::release);
+    const double mu = coefficient_of(bodies.law_of(touch.kind, touch.pair).friction);
+    if (!(mu > 0.0) || (touch.sticks && !std::isfinite(mu))) continue;
+    if (touch.sticks) {
+      add(Kind::slip);
+      sources_.back().offset = beyond_cone(sources_.back());
+      continue;
+    }
+    add(Kind::rest);
+    add(touch.phase == Contact::Slip::ongoing ? Kind::slow : Kind::quick);
+    if (touch.phase == Contact::Slip::starting) add(Kind::stall);
+  }
+}
+
+springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& reactions, double& value) const {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const PairTouch& touch = bodies.touching()[static_cast<std::size_t>(source.pair)];
+  const double rest = model_.contact.rest_speed();
+  const BodyMotion* all = nullptr;
+  if (const springnet_status status = reactions.bodies(all); status != SPRINGNET_OK) return status;
+  const BodyMotion::OfPair& pair = all->pairs()[static_cast<std::size_t>(source.pair)];
+  switch (source.kind) {
+    case Kind::release:
+      value = -pair.pressing;
+      break;
+    case Kind::slip:
+      value = cone_margin(coefficient_of(bodies.law_of(touch.kind, touch.pair).friction), pair.pressing,
+                          pair.motion.along(pair.force).norm()) +
+              source.offset;
+      break;
+    case Kind::rest:
+      value = touch.slip.dot(pair.motion.slip());
+      if (touch.phase == Contact::Slip::starting) value += quick_slip * rest;
+      break;
+    case Kind::quick:
+      value = pair.motion.slip().norm() - quick_slip * rest;
+      break;
+    case Kind::stall:
+      value = slip_direction(model_, touch, pair.motion).dot(pair.acceleration) +
+              Scales::min_force * model_.scales.force / model_.mass[source.index];
+      break;
+    default:
+      value = pair.motion.slip().norm() - rest;
+      break;
+  }
+  return SPRINGNET_OK;
+}
+
+void ContactEvents::find_pair(const Source& source, const State& state, Findings& findings) {
+  PairTouch& touch = model_.constraints.bodies().touching()[static_cast<std::size_t>(source.pair)];
+  const Vector3 slip = pair_motion(model_.constraints.bodies(), touch.kind, touch.pair, read_only(state.view.position),
+                                   read_only(state.view.velocity), model_.node_count())
+                           .slip();
+  const double rest = model_.contact.rest_speed(), speed = slip.norm();
+  const auto finding = [&]() -> PairFinding& { return findings.pairs[touch.key()]; };
+  const auto go_on = [&](Contact::Slip phase) {
+    if (speed > 0.0) touch.slip = slip / speed;
+    touch.phase = phase;
+    model_.changed();
+  };
+  switch (source.kind) {
+    case Kind::release:
+      finding().released = true;
+      break;
+    case Kind::slip:
+      finding().slips = true;
+      break;
+    case Kind::slow:
+      go_on(Contact::Slip::ending);
+      break;
+    case Kind::quick:
+      go_on(Contact::Slip::ongoing);
+      break;
+    case Kind::stall:
+      if (touch.slip.dot(slip) > model_.no_speed())
+        go_on(Contact::Slip::ending);
+      else
+        finding().slip_ended = true;
+      break;
+    default:  // its end, unless it turned by a right angle
+      if (speed > rest && std::abs(touch.slip.dot(slip)) <= rest)
+        go_on(Contact::Slip::ongoing);
+      else
+        finding().slip_ended = true;
+      break;
+  }
+}
+
+void ContactEvents::find_impacts(const State& state, Findings& findings) {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  for (const proximity::NearPair& each :
+       pairs_apart_within(model_, read_only(state.view.position), model_.contact_tolerance())) {
+    const PairMotion motion = pair_motion(bodies, each.kind, each.pair, read_only(state.view.position),
+                                          read_only(state.view.velocity), model_.node_count());
+    if (motion.normal.dot(motion.velocity) < -model_.no_speed())
+      findings.pairs[{each.kind, each.pair}].touched = true;
+  }
+}
+
+}  // namespace springnet

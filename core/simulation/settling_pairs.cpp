@@ -1,0 +1,235 @@
+// Pairs of bodies in the settling of contacts: each is as a node on one side, whose position and velocity are those of
+// its closest points relative to each other.
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "constraints/friction.hpp"
+#include "constraints/vectors.hpp"
+#include "simulation/pair_events.hpp"
+#include "simulation/settling.hpp"
+
+namespace springnet {
+namespace {
+
+// As of nodes on obstacles, in units of the length scale.
+constexpr double uncertain_gap = 1e-8, shallow_gap = 1e-7;
+
+}  // namespace
+
+void Settling::gather_candidates() {
+  if (gathered_) return;
+  gathered_ = true;
+  BodyContacts& bodies = model_.constraints.bodies();
+  if (!bodies.located()) return;
+  for (const PairTouch& touch : bodies.touching()) {
+    Candidate& each = candidates_.emplace_back();
+    each.touch = touch;
+    each.was = each.stays = true;
+  }
+  for (const proximity::NearPair& near : pairs_apart_within(model_, read_only(state_.view.position), depth_)) {
+    Candidate& each = candidates_.emplace_back();
+    each.touch.kind = near.kind;
+    each.touch.pair = near.pair;
+  }
+  std::sort(candidates_.begin(), candidates_.end(),
+            [](const Candidate& a, const Candidate& b) { return a.touch.key() < b.touch.key(); });
+  std::vector<PairMotion> motions;
+  for (Candidate& each : candidates_) {
+    each.motion = motion_of(each);
+    motions.push_back(each.motion);
+    const auto found = findings_.pairs.find(each.touch.key());
+    if (found != findings_.pairs.end()) each.found = found->second;
+  }
+  groups_ = body_groups(model_, motions);
+  group_done_.assign(groups_.size(), 0);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    for (const std::uint32_t k : groups_[g].nodes) group_of_[k] = g;
+}
+
+PairMotion Settling::motion_of(const Candidate& candidate) const {
+  return pair_motion(model_.constraints.bodies(), candidate.touch.kind, candidate.touch.pair,
+                     read_only(state_.view.position), read_only(state_.view.velocity), model_.node_count());
+}
+
+springnet_status Settling::settle_pairs() {
+  if (findings_.pairs.empty()) return SPRINGNET_OK;
+  gather_candidates();
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const bool is_found = std::any_of(groups_[g].pairs.begin(), groups_[g].pairs.end(), [&](std::size_t i) {
+      return findings_.pairs.contains(candidates_[i].touch.key());
+    });
+    if (!is_found) continue;
+    if (const springnet_status status = settle(groups_[g].nodes.front()); status != SPRINGNET_OK) return status;
+  }
+  return SPRINGNET_OK;
+}
+
+bool Settling::comes_back(const Candidate& pair, double speed) const {
+  ReactionsAt reactions(model_, time_, read_only(state_.view.position), read_only(state_.view.velocity));
+  bool known = true;
+  const Vector3 acceleration = pair.motion.relative([&](std::uint32_t k) {
+    Vector3 a = Vector3::Zero();
+    const springnet_status status =
+        model_.contact.fixed()[k] != 0 ? reactions.unsupported(k, a) : reactions.constrained(k, a);
+    known = known && status == SPRINGNET_OK;
+    return a;
+  });
+  const double grows = pair.motion.normal.dot(acceleration) + pair.motion.bias;
+  return known && grows > 0.0 && speed * speed <= 2.0 * grows * uncertain_gap * model_.scales.length;
+}
+
+void Settling::add_pairs(std::vector<ContactNode>& nodes) const {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  for (const std::size_t i : group_->pairs) {
+    const Candidate& pair = candidates_[i];
+    const BodyContact& law = bodies.law_of(pair.touch.kind, pair.touch.pair);
+    const PairMotion motion = motion_of(pair);
+    ContactNode node;
+    node.pair = static_cast<std::int32_t>(i);
+    node.node = *std::find_if(motion.nodes.begin(), motion.nodes.end(),
+                              [&](std::uint32_t k) { return model_.contact.fixed()[k] == 0; });
+    ContactSide side;
+    side.normal = motion.normal;
+    side.friction = bounded(law.friction);
+    side.restitution = law.restitution;
+    side.velocity = motion.velocity;
+    side.target_acceleration = -motion.bias;
+    side.active = pair.was && !pair.found.released;
+    const double speed = side.normal.dot(side.velocity);
+    if (!pair.was) {
+      if (speed > no_speed_) continue;
+      if (speed < -no_speed_ && motion.gap > -shallow_gap * model_.scales.length && comes_back(pair, speed)) continue;
+    }
+    // Integration errors along directions that the contact constrains.
+    const double least = pair.was ? jump_ : no_speed_;
+    if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
+    if (pair.was && pair.touch.sticks && motion.slip().norm() <= jump_) side.velocity -= motion.along(side.velocity);
+    node.slip_ended = pair.found.slip_ended && pair.was && !pair.touch.sticks;
+    node.sides.push_back(side);
+    nodes.push_back(std::move(node));
+  }
+}
+
+Eigen::MatrixXd Settling::mobility(const std::vector<ContactNode>& nodes) const {
+  std::vector<Lever> levers;
+  for (const ContactNode& node : nodes) {
+    if (node.pair < 0)
+      levers.emplace_back(node.node);
+    else
+      levers.emplace_back(candidates_[static_cast<std::size_t>(node.pair)].motion);
+  }
+  return mobility_of(model_, levers);
+}
+
+void Settling::apply_impulse(const Candidate& pair, const Vector3& impulse) {
+  if (impulse.isZero(0.0)) return;
+  Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
+    if (model_.contact.fixed()[k] != 0)
+      model_.contact.add_impulse(k, -weight * impulse);  // what fixes it takes it
+    else
+      put_vector(state_.view.velocity, k, vector_at(state_.view.velocity, k) + weight / model_.mass[k] * impulse);
+  });
+}
+
+bool Settling::is_known(const ContactNode& node, const ContactSide& side) const {
+  return node.pair < 0 ? model_.contact.committed(node.node).has(side.surface)
+                       : candidates_[static_cast<std::size_t>(node.pair)].was;
+}
+
+void Settling::keep_slip_of_pair(ContactNode& node, double friction) const {
+  const Candidate& pair = candidates_[static_cast<std::size_t>(node.pair)];
+  if (!pair.was || pair.touch.sticks || node.slip_ended || friction == 0.0) return;
+  if (pair.touch.phase == Contact::Slip::ongoing || (pair.touch.phase == Contact::Slip::ending && !node.slipping))
+    return;
+  const Vector3 kept = pair.motion.along(pair.touch.slip);
+  if (kept.isZero(0.0)) return;
+  node.slip_starting = pair.touch.phase == Contact::Slip::starting;
+  node.sticks = false;
+  node.slip = kept.normalized();
+}
+
+void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
+  Candidate& pair = candidates_[static_cast<std::size_t>(node.pair)];
+  const ContactSide& side = node.sides[0];
+  const Vector3& impulse = node.impulse[0];
+  pair.motion = motion_of(pair);
+  double response = 0.0;  // 1/kg, along the normal
+  Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
+    if (model_.contact.fixed()[k] == 0) response += weight * weight / model_.mass[k];
+  });
+  const auto record = [&](Event::Kind kind, const Vector3& given = Vector3::Zero()) {
+    record_pair(model_, kind, time_, pair.motion, read_only(state_.view.position), came, given);
+  };
+  if (!pair.was) {
+    if (!side.active && impulse.isZero(0.0)) return;
+    const bool pulls = side.normal.dot(impulse) < 0.0;  // impulses that end rocking are no impacts
+    record(Event::Kind::met, pulls ? Vector3(Vector3::Zero()) : impulse);
+    pair.stays = side.active;
+    model_.changed();
+    if (!side.active) {
+      // It flies apart from where the two touch, so that its next touch falls through the tolerance again.
+      record(Event::Kind::parted);
+      const Vector3 lift = -pair.motion.gap / response * pair.motion.normal;
+      Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
+        if (model_.contact.fixed()[k] == 0)
+          put_vector(state_.view.position, k, vector_at(state_.view.position, k) + weight / model_.mass[k] * lift);
+      });
+      return;
+    }
+  } else if (!side.active) {
+    record(Event::Kind::parted);
+    pair.stays = false;
+    model_.changed();
+    const double speed = pair.motion.normal.dot(pair.motion.velocity);
+    // An integration error would make it touch again.
+    if (!side.separating && std::abs(speed) <= jump_) apply_impulse(pair, -speed / response * pair.motion.normal);
+    return;
+  }
+  PairTouch& touch = pair.touch;
+  const bool had_slip = pair.was && !touch.sticks && !pair.found.slip_ended;
+  if (pair.was && pair.found.slip_ended) record(Event::Kind::stuck);
+  if (pair.was && node.sticks == had_slip && coefficient_of(side.friction) > 0.0)
+    record(node.sticks ? Event::Kind::stuck : Event::Kind::slipped);
+  if (node.sticks != touch.sticks || pair.found.slip_ended || pair.found.slips) model_.changed();
+  const bool slid = pair.was && !touch.sticks;
+  touch.sticks = node.sticks;
+  if (node.sticks) return;
+  if (!node.slipping || node.slip_starting) {
+    touch.slip = node.slip;
+    touch.phase = Contact::Slip::starting;
+  } else if (!slid || touch.phase != Contact::Slip::ending) {
+    const Vector3 slip = pair.motion.slip();
+    touch.slip = slip.isZero(0.0) ? node.slip : Vector3(slip.normalized());
+    touch.phase = Contact::Slip::ongoing;
+  }
+}
+
+void Settling::find_phase_of_pair(const ContactNode& node, const Vector3& acceleration, double negligible) {
+  Candidate& pair = candidates_[static_cast<std::size_t>(node.pair)];
+  PairTouch& touch = pair.touch;
+  if (!pair.stays || touch.sticks || !node.slipping || touch.phase == Contact::Slip::ending) return;
+  const Vector3 slip = motion_of(pair).slip();
+  const double speed = slip.norm(), rest = model_.contact.rest_speed();
+  if ((speed > rest && !node.slip_starting) || speed == 0.0) return;
+  const double grows = slip.dot(acceleration);
+  if (grows < -negligible * speed) {
+    touch.slip = slip / speed;
+    touch.phase = Contact::Slip::ending;
+  } else if (!node.slip_starting && speed <= 0.5 * rest) {
+    touch.slip = slip / speed;
+    touch.phase = Contact::Slip::starting;
+  }
+}
+
+void Settling::put_pairs() {
+  if (!gathered_ || !model_.constraints.bodies().located()) return;
+  std::vector<PairTouch> touching;
+  for (const Candidate& each : candidates_)
+    if (each.stays) touching.push_back(each.touch);
+  model_.constraints.bodies().set_touching(std::move(touching));
+}
+
+}  // namespace springnet
