@@ -38,6 +38,7 @@ Island::Island(std::vector<ContactNode> nodes, Eigen::MatrixXd mobility)
   for (ContactNode& node : nodes_) {
     node.normal_force.assign(node.sides.size(), 0.0);
     node.impulse.assign(node.sides.size(), Vector3::Zero());
+    has_pairs_ = has_pairs_ || node.pair >= 0;
   }
 }
 

@@ -165,6 +165,7 @@ class Island {
   std::vector<ContactNode> nodes_;
   Eigen::MatrixXd mobility_;
   std::vector<std::size_t> jammed_;
+  bool has_pairs_ = false;
   bool directions_fit_ = true;  // slip directions of the last solve() have converged
 };
 

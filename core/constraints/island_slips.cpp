@@ -13,6 +13,7 @@ namespace {
 
 constexpr int max_directions = 200;  // iterations for directions of beginning slip
 constexpr int max_guesses = 20;      // of them, fixed-point iterations along the acceleration
+constexpr double reversed = 0.1;     // length of the sum of two unit vectors: they are opposite
 
 // Whether a node can move in all directions; one whose rod hangs from what is held cannot.
 bool is_regular(const Matrix3& mobility) {
@@ -132,8 +133,12 @@ void Island::solve(bool keeps_slips) {
             held && held->dot(kept[i]) > 0.0) {
           turned = std::max(turned, (*held - node.slip).norm());
           node.slip = *held;
+          continue;
         }
-        continue;
+        // Forces of bodies that push each other along follow the slips: with those of a wrong direction it would stick.
+        const Vector3 between = sliding.normalized() + node.slip;
+        if (!has_pairs_ || is_small || between.norm() < reversed) continue;
+        slip = between.normalized();
       }
       if (!slip)
         slip =

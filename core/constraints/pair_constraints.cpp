@@ -17,6 +17,8 @@ constexpr int most_corrections = 8;     // each squares the error
 constexpr double rounding = 4e-16;      // of positions
 constexpr double rounding_gaps = 32.0;  // times that, of the positions of a pair
 
+}  // namespace
+
 ConstraintRow row_along(const PairMotion& pair, const Vector3& direction) {
   ConstraintRow row{pair.nodes[0], pair.nodes[1], direction};
   if (pair.count > 2) row.third = pair.nodes[2];
@@ -26,8 +28,6 @@ ConstraintRow row_along(const PairMotion& pair, const Vector3& direction) {
   row.is_pair = true;
   return row;
 }
-
-}  // namespace
 
 std::vector<PairMotion> ConstraintSet::pairs_at(const springnet_const_vectors& position,
                                                 const springnet_const_vectors& velocity) const {

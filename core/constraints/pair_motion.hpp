@@ -15,6 +15,7 @@
 
 #include "constraints/body_contacts.hpp"
 #include "constraints/vectors.hpp"
+#include "layers/linear/constraint_row.hpp"
 
 namespace springnet {
 
@@ -45,5 +46,8 @@ struct PairMotion {
 [[nodiscard]] PairMotion pair_motion(const BodyContacts& bodies, proximity::PairKind kind, proximity::Pair pair,
                                      const springnet_const_vectors& position, const springnet_const_vectors& velocity,
                                      std::size_t node_count);
+
+// The row of its closest points, relative to each other, along a direction (unit).
+[[nodiscard]] ConstraintRow row_along(const PairMotion& pair, const Vector3& direction);
 
 }  // namespace springnet

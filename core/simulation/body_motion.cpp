@@ -46,6 +46,7 @@ ContactNode on_obstacles(const Model& model, const ReactionsAt& at, std::uint32_
 ContactNode of_pair(const Model& model, const PairTouch& touch, const PairMotion& motion, const Vector3& acceleration) {
   ContactNode result;
   result.node = motion.nodes[0];
+  result.pair = 0;
   result.acceleration = acceleration;
   result.sticks = touch.sticks;
   ContactSide side;

@@ -88,10 +88,31 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at, do
     const RigidConnections::Rod& rod = model_.rigid.rods()[r];
     blocks_.add_bond(rod.first, rod.second, constraints.rod_geometric_stiffness(r, at.position, known().tensions()[r]));
   }
+  if (constraints.bodies().located())
+    if (const springnet_status status = add_drags(known()); status != SPRINGNET_OK) return status;
   if (constraints.rows().empty()) return SPRINGNET_OK;
   return find_response(at, of_step, known(), response_, [this](const ConstraintRow& row, const Matrix3& derivative) {
     blocks_.add_to_velocity_block(row.first, derivative);
   });
+}
+
+// Friction of bodies that slide turns with the slip.
+springnet_status LinearModel::add_drags(ReactionsAt& reactions) {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const BodyMotion* motion = nullptr;
+  const springnet_status status = reactions.bodies(motion);
+  if (motion == nullptr) return status;
+  for (std::size_t i = 0; i < motion->pairs().size(); ++i) {
+    const PairTouch& touch = bodies.touching()[i];
+    const BodyMotion::OfPair& pair = motion->pairs()[i];
+    const double mu = sliding_coefficient_of(bodies.law_of(touch.kind, touch.pair).friction);
+    const Vector3 slip = pair.motion.slip();
+    const double speed = slip.norm();
+    if (touch.sticks || touch.phase != Contact::Slip::ongoing || !(mu * pair.pressing > 0.0) || speed == 0.0) continue;
+    const Vector3 across = pair.motion.normal.cross(slip / speed);
+    blocks_.add_drag(row_along(pair.motion, across), mu * pair.pressing / speed);
+  }
+  return SPRINGNET_OK;
 }
 
 template <class Use>

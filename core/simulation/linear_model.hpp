@@ -89,6 +89,7 @@ class LinearModel {
  private:
   // Adds the geometric stiffness of rods under tension, and the derivative of friction by the slip. Implicit methods
   // need both: they are stiff where tensions are great or slips slow.
+  springnet_status add_drags(ReactionsAt& reactions);
   springnet_status add_constraints(const springnet_evaluation& at, double of_step);
   // How surfaces answer at a state that the constraints follow, and use(row, derivative) with that of friction by the
   // velocity of nodes that slip.

@@ -141,3 +141,141 @@ TEST_CASE("the reference: balls rest on each other, and what carries them feels 
   check_pile(s, count, m, radius);
   CHECK(s.reaction(0)[2] == doctest::Approx((count * m + 1.0) * g).epsilon(1e-9));
 }
+
+TEST_CASE("the reference: balls that meet on a floor exchange what they would without it, and the floor carries them") {
+  const double m = 1.5, n = 0.5, speed = 2.0, e = 0.5;
+  for (const double mu : {0.0, 0.2}) {
+    CAPTURE(mu);
+    Network net;
+    add_ball(net, "a", {-0.5, 0, 0}, {speed, 0, 0}, m, 0.1);
+    add_ball(net, "b", {0.3, 0, 0}, at_rest, n, 0.1);
+    touch_all(net, frictionless, e);
+    Plane floor;
+    floor.friction = {Friction::Kind::coulomb, mu};
+    net.add_plane(floor);
+    net.set_gravity({0, 0, -g});
+    Simulation s = simulate(net, reference(), 0.001);
+    const auto met = [&] { return count_events(s).met > 0; };
+    while (!met()) s.step();
+    // They meet after 0.6 m: v^2 = v0^2 - 2 mu g 0.6.
+    const double arrives = std::sqrt(speed * speed - 2.0 * mu * g * 0.6);
+    const double impulse = (1.0 + e) * m * n / (m + n) * arrives, slowed = mu * g * (s.time() - s.events().back().time);
+    CHECK(s.velocity(0)[0] == doctest::Approx(arrives - impulse / m - slowed).epsilon(1e-8));
+    CHECK(s.velocity(1)[0] == doctest::Approx(impulse / n - slowed).epsilon(1e-8));
+    advance(s, 20);
+    for (const NodeIndex k : {0u, 1u}) CHECK(std::abs(s.position(k)[2]) <= 1e-9);
+  }
+}
+
+TEST_CASE("the reference: a ball pushed against another one on a floor with friction, and both against a third") {
+  // a is pulled with F; b and c lie in its way on the floor: all three slide with F / M - mu g.
+  const double m = 0.3, f = 4.0, mu = 0.2;
+  Network net;
+  for (int i = 0; i < 3; ++i) add_ball(net, "ball " + std::to_string(i), {0.2 * i, 0, 0}, at_rest, m * (i + 1), 0.1);
+  touch_all(net, frictionless);
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, mu};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -g});
+  net.add_load({{0}, {f, 0, 0}});
+  Simulation s = simulate(net, reference(), 0.01);
+  advance(s, 50);
+  const double a = f / (6.0 * m) - mu * g;
+  for (const NodeIndex k : {0u, 1u, 2u}) {
+    CHECK(s.position(k)[0] == doctest::Approx(0.2 * k + 0.5 * a * 0.25).epsilon(1e-8));
+    CHECK(s.velocity(k)[0] == doctest::Approx(0.5 * a).epsilon(1e-8));
+    CHECK(s.reaction(k)[0] == doctest::Approx(-mu * m * (k + 1) * g).epsilon(1e-7));
+  }
+  REQUIRE(s.body_touches().size() == 2);
+  for (const BodyTouch& each : s.body_touches()) {
+    const NodeIndex last = std::max(each.nodes[0], each.nodes[1]);
+    const double carried = last == 1 ? 5.0 * m : 3.0 * m;
+    CHECK(each.force.norm() == doctest::Approx(carried * (a + mu * g)).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("the reference: a ball that slides with friction over a fixed one moves as its equation says") {
+  // v dv/ds = g sin b - mu (g cos b - v^2 / r), in u = v^2: du/db = 2 r g (sin b - mu cos b) + 2 mu u.
+  const double radius = 0.5, start = 0.6, mu = 0.2;
+  Network net;
+  add_ball(net, "low", {0, 0, 0}, at_rest, 1.0, 0.3, true);
+  add_ball(net, "high", radius * Vector3(std::sin(start), 0, std::cos(start)), at_rest, 0.7, 0.2);
+  touch_all(net, {Friction::Kind::coulomb, mu});
+  net.set_gravity({0, 0, -g});
+  Simulation s = simulate(net, reference(), 0.01);
+  while (count_events(s).parted == 0 && s.time() < 3.0) s.step();
+  REQUIRE(count_events(s).parted == 1);
+  // The solution with u(start) = 0, and where u = r g cos b.
+  const double k = 2.0 * mu, c = 2.0 * radius * g;
+  const auto particular = [&](double b) {
+    return -c / (1.0 + k * k) * ((mu + k) * std::sin(b) + (1.0 - k * mu) * std::cos(b));
+  };
+  const auto u = [&](double b) { return particular(b) - particular(start) * std::exp(k * (b - start)); };
+  double low = start, high = 1.5;
+  for (int i = 0; i < 100; ++i) {
+    const double b = 0.5 * (low + high);
+    (u(b) < radius * g * std::cos(b) ? low : high) = b;
+  }
+  CHECK(std::abs(s.events().back().normal[2]) == doctest::Approx(std::cos(low)).epsilon(1e-8));
+}
+
+TEST_CASE("the reference: nothing passes through a sheet at a hundred thicknesses a step") {
+  for (const double speed : {100.0, 1000.0}) {
+    Network net;
+    add_sheet(net, "sheet", 6, 1.0, {0, 0, 0}, Vector3::UnitX(), Vector3::UnitY(), 0.001, 0.01, false, 1000.0);
+    const NodeIndex shot = add_ball(net, "shot", {0.11, 0.07, 0.5}, {0, 0, -speed}, 0.001, 0.0005);
+    touch(net, 0, 1, frictionless, 0.5);
+    Simulation s = simulate(net, reference(1e-8), 0.1 / speed);
+    const Vector3 p = momentum(net, s);
+    while (s.time() < 2.0 / speed) s.step();
+    REQUIRE(count_events(s).met >= 1);
+    CHECK(s.events().front().time == doctest::Approx((0.5 - 0.001) / speed).epsilon(1e-6));
+    CHECK((momentum(net, s) - p).norm() <= 1e-9 * p.norm());
+    CHECK(s.velocity(shot)[2] > -0.3 * speed);
+  }
+}
+
+TEST_CASE("the reference: springs between balls, a cradle") {
+  // Rods of two balls with a spring: the first is struck, its momentum passes on. Energy and momentum are kept.
+  Network net;
+  const MaterialIndex material = net.add_material(damped(2000.0, 0.0));
+  for (int i = 0; i < 3; ++i) {
+    net.begin_body("rod " + std::to_string(i));
+    const NodeIndex first = net.add_node(point({0.6 * i + (i > 0 ? 0.1 : 0.0), 0, 0}, 0.2, {i == 0 ? 1.0 : 0.0, 0, 0}));
+    const NodeIndex second = net.add_node(point({0.6 * i + 0.3 + (i > 0 ? 0.1 : 0.0), 0, 0}, 0.2, {i == 0 ? 1.0 : 0.0, 0, 0}));
+    net.add_spring(first, second, material);
+    net.end_body();
+    net.set_extent(net.bodies().size() - 1, 0.0, 0.1);
+  }
+  touch_all(net, frictionless, 1.0);
+  Simulation s = simulate(net, reference(), 0.01);
+  const double energy = s.kinetic_energy() + s.potential_energy();
+  const Vector3 p = momentum(net, s);
+  advance(s, 300);
+  CHECK(count_events(s).met >= 2);
+  CHECK(s.kinetic_energy() + s.potential_energy() == doctest::Approx(energy).epsilon(1e-7));
+  CHECK((momentum(net, s) - p).norm() <= 1e-12);
+}
+
+TEST_CASE("the reference: a block on a block that slides down an incline") {
+  for (const double mu : {0.0, 0.3, 5.0}) {
+    CAPTURE(mu);
+    Network net;
+    add_block(net, "low", 2, 0.1, {0, 0, 0}, at_rest, 0.05, 0.01, 2000.0, 5.0);
+    add_block(net, "high", 2, 0.1, {0.013, 0.007, 0.115}, at_rest, 0.05, 0.01, 2000.0, 5.0);
+    touch(net, 0, 1, {Friction::Kind::coulomb, mu});
+    Plane floor;
+    floor.friction = frictionless;
+    net.add_plane(floor);
+    const double angle = 0.2;
+    net.set_gravity({g * std::sin(angle), 0, -g * std::cos(angle)});
+    Simulation s = simulate(net, reference(1e-8), 0.01);
+    advance(s, 30);
+    CHECK(count_events(s).met >= 1);
+    Vector3 sum = Vector3::Zero();
+    for (NodeIndex k = 0; k < 16; ++k) sum += s.velocity(k) / 16.0;
+    MESSAGE(sum.transpose(), "  touches ", s.body_touches().size(), " met ", count_events(s).met, " parted ",
+            count_events(s).parted);
+    CHECK(sum[0] == doctest::Approx(g * std::sin(angle) * 0.3).epsilon(1e-7));
+  }
+}

@@ -42,6 +42,7 @@ springnet_status Linearisation::update(double time, const NodeArrays& nodes, con
   const std::size_t n = layout_.node_count();
   known_ = false;
   bonds_.clear();
+  drags_.clear();
   const std::vector<Group>& groups = layout_.laws().groups;
   const bool may_be_axial = std::all_of(groups.begin(), groups.end(), [](const Group& group) {
     const std::array<const Law*, 2> laws = group.laws();
@@ -215,6 +216,14 @@ void Linearisation::times(const double* dp, const double* dv, double* out) {
       for (std::size_t c = 0; c < 3; ++c) out[c * n + k] += change[static_cast<Eigen::Index>(c)];
     }
   }
+  for (const Drag& drag : drags_) {
+    double rate = 0.0;
+    for_each_dragged(drag, [&](std::uint32_t k, double weight) { rate += weight * drag.row.direction.dot(at(dv, k)); });
+    for_each_dragged(drag, [&](std::uint32_t k, double weight) {
+      const Vector3 change = block(by_force_, k) * (-drag.damping * rate * weight * drag.row.direction);
+      for (std::size_t c = 0; c < 3; ++c) out[c * n + k] += change[static_cast<Eigen::Index>(c)];
+    });
+  }
 }
 
 void Linearisation::accelerations(const double* force, double* out) const {
@@ -284,6 +293,12 @@ void Linearisation::diagonal_blocks(double velocity_weight, double position_weig
       Eigen::Map<Block>(out + 9 * std::size_t{k}) += position_weight * block(by_force_, k) * bond.stiffness;
     }
   }
+  for (const Drag& drag : drags_)
+    for_each_dragged(drag, [&](std::uint32_t k, double weight) {
+      const Vector3& e = drag.row.direction;
+      Eigen::Map<Block>(out + 9 * std::size_t{k}) +=
+          velocity_weight * drag.damping * weight * weight * block(by_force_, k) * e * e.transpose();
+    });
 }
 
 // Column 3 j + c has the rows 3 i + r, r = 0, 1, 2, of node j and its neighbours i, sorted.
@@ -425,12 +440,13 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   return SPRINGNET_OK;
 }
 
-// Rank-one terms that enclosures add to the factorised matrix.
+// Rank-one terms that enclosures and drags add to the factorised matrix.
 void Linearisation::set_vectors(double velocity_weight, double position_weight) {
   const std::size_t live = layout_.elements().live_enclosures();
   const Eigen::Index size = system_->matrix.rows() + static_cast<Eigen::Index>(rows_.size());
   const auto count = static_cast<Eigen::Index>(live > 0 ? elements_.vector_count() : 0);
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size, count), weights = columns;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size, count + static_cast<Eigen::Index>(drags_.size()));
+  Eigen::MatrixXd weights = columns;
   if (count > 0) {
     elements_.for_each_vector(
         velocity_weight, position_weight,
@@ -440,6 +456,13 @@ void Linearisation::set_vectors(double velocity_weight, double position_weight) 
           weights.block<3, 1>(at, column) = weight;
         });
   }
+  for (std::size_t d = 0; d < drags_.size(); ++d)
+    for_each_dragged(drags_[d], [&](std::uint32_t k, double weight) {
+      const Eigen::Index column = count + static_cast<Eigen::Index>(d), at = 3 * static_cast<Eigen::Index>(k);
+      const Vector3 along = weight * drags_[d].row.direction;
+      columns.block<3, 1>(at, column) = velocity_weight * drags_[d].damping * (block(by_force_, k) * along);
+      weights.block<3, 1>(at, column) = along;
+    });
   vectors_.set(std::move(columns), std::move(weights));
 }
 

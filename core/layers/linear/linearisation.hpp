@@ -47,6 +47,9 @@ class Linearisation {
   void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
     bonds_.push_back({first, second, stiffness});
   }
+  // Adds what opposes the rate of a row with this damping (N s/m) on its nodes, which need not be neighbours; call after
+  // update().
+  void add_drag(const ConstraintRow& row, double damping) { drags_.push_back({row, damping}); }
   // Whether update() succeeded and nothing was removed since: the functions below need it.
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
@@ -62,7 +65,7 @@ class Linearisation {
   // Diagonal blocks of I - velocity_weight da/dv - position_weight da/dp, [node][9].
   void diagonal_blocks(double velocity_weight, double position_weight, double* out);
   // The entries of A = I - velocity_weight da/dv - position_weight da/dp, unknown 3 node + coordinate, without the
-  // rank-one terms of enclosures.
+  // rank-one terms of enclosures and drags.
   void for_each_entry(double velocity_weight, double position_weight,
                       const std::function<void(int row, int column, double value)>& visit);
 
@@ -111,6 +114,10 @@ class Linearisation {
 
  private:
   using Blocks = std::vector<double>;
+  struct Drag {
+    ConstraintRow row;
+    double damping;  // N s/m
+  };
   struct System;  // sparse matrices and their factors: Eigen's templates for them are compiled in one file only
   [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);
@@ -129,6 +136,13 @@ class Linearisation {
   void fill(double velocity_weight, double position_weight);
   // vectors: with the rank-one terms of enclosures.
   void diagonal_blocks(double velocity_weight, double position_weight, bool vectors, double* out) const;
+  // use(node, weight): of nodes of a drag that can move.
+  template <class Use>
+  void for_each_dragged(const Drag& drag, const Use& use) const {
+    drag.row.for_each_end([&](std::size_t, std::uint32_t node, double weight) {
+      if (constrained_[node] == 0) use(node, weight);
+    });
+  }
   // Solver of the factorised matrix without the rank-one terms.
   [[nodiscard]] LowRank::Solve plain_solver();
   // Solution with the rank-one terms; right_side has the size of the factorised matrix.
@@ -148,11 +162,12 @@ class Linearisation {
   // Where all of these are multiples of the identity: [node][3], of each kind one. Empty: they are not.
   std::vector<double> scales_;
   std::vector<Bond> bonds_;
+  std::vector<Drag> drags_;
   Blocks weighted_;                                                 // [spring], of set_weights()
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bond_ends_;  // node and bond, sorted, likewise
   double position_weight_ = 0.0;
   ElementLinearisation elements_;
-  LowRank vectors_;  // rank-one terms of enclosures, as of the last factorisation
+  LowRank vectors_;  // rank-one terms of enclosures and drags, as of the last factorisation
   std::vector<double> force_[3], acceleration_[3];
   std::vector<double> force_weights_;  // [3 node], of transposed_times
   bool known_ = false;

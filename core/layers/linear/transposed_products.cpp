@@ -47,6 +47,15 @@ void Linearisation::add_transposed_beside_springs(const double* weights, const A
     add(bond.first, -change, Vector3::Zero());
     add(bond.second, change, Vector3::Zero());
   }
+  for (const Drag& drag : drags_) {
+    double rate = 0.0;
+    for_each_dragged(drag, [&](std::uint32_t k, double weight) {
+      rate += weight * drag.row.direction.dot(Vector3(f[k], f[n + k], f[2 * n + k]));
+    });
+    for_each_dragged(drag, [&](std::uint32_t k, double weight) {
+      add(k, Vector3::Zero(), Vector3(-drag.damping * rate * weight * drag.row.direction));
+    });
+  }
 }
 
 void Linearisation::spread_force_weights() {
@@ -117,7 +126,7 @@ void Linearisation::weighted_transposed_times(double velocity_weight, double pos
   four_.resize(12 * n);
   const SpringKernels& kernels = spring_kernels_for(evaluator_.instruction_set());
   double* const sums = four_.data() + 4 * n;
-  if (!scales_.empty() && !elements_.any() && bonds_.empty()) {
+  if (!scales_.empty() && !elements_.any() && bonds_.empty() && drags_.empty()) {
     kernels.spread(scales_.data(), position_weight, velocity_weight, n, weights, four_.data(), sums);
     for (std::size_t k = 0; k < n; ++k) {
       if (constrained_[k] == 0) continue;
