@@ -158,8 +158,9 @@ void Island::end_rates(const std::vector<Row>& rows) {
       matrix(r, c) = row.direction.dot(block(row.node, column.node) * column.direction);
     }
   }
-  // Of contacts that brace each other only rounding is left below the threshold.
-  const Eigen::VectorXd impulses = least_squares(matrix, -rates, 1e-11);
+  // Of contacts that brace each other only rounding is left below the threshold; of bodies on each other, whose pairs
+  // are redundant but for the shape of faces, errors of integration.
+  const Eigen::VectorXd impulses = least_squares(matrix, -rates, has_pairs_ ? 1e-7 : 1e-11);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Row& row = rows[static_cast<std::size_t>(r)];
     nodes_[row.node].impulse[row.side] += impulses[r] * row.direction;

@@ -8,35 +8,30 @@
 #include "simulation/settling.hpp"
 
 namespace springnet {
-namespace {
-
-constexpr double rounding_of_force = 1e-14;  // in units of the force scale
-
-}  // namespace
-
 const std::vector<ContactEvents::Source>& ContactEvents::sources() {
   if (sources_revision_ == model_.revision) return sources_;
   sources_.clear();
+  AtCommitted at(model_);
   if (!model_.contact.obstacles().empty()) {
     const double tolerance = model_.contact_tolerance();
     const std::shared_ptr<const Placement> now = model_.placement_now();
     for (std::uint32_t k = 0; k < model_.node_count(); ++k)
-      if (model_.contact.fixed()[k] == 0) add_sources_of(k, tolerance, *now);
+      if (model_.contact.fixed()[k] == 0) add_sources_of(k, tolerance, *now, at);
   }
   pair_depths_.clear();
-  if (model_.constraints.bodies().located()) add_sources_of_pairs();
+  if (model_.constraints.bodies().located()) add_sources_of_pairs(at);
   sources_revision_ = model_.revision;
   return sources_;
 }
 
-void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Placement& now) {
+void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Placement& now, AtCommitted& at) {
   const Contact& contact = model_.contact;
   const Touch touch = contact.committed(k);
   bool has_friction = false;
   for (const std::int32_t j : touch.surfaces()) {
     if (j < 0) continue;
     sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j)});
-    if (contact.braced(k)) sources_.back().offset = beyond_brace(sources_.back());
+    if (contact.braced(k)) sources_.back().offset = beyond_brace(sources_.back(), at);
     if (touch.slides && !contact.obstacles()[static_cast<std::size_t>(j)].is_plane())
       sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
     const double mu = model_.constraints.coefficient(k, static_cast<std::size_t>(j));
@@ -47,7 +42,7 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     const auto j = static_cast<std::uint32_t>(touch.surface);
     if (!touch.slides) {
       sources_.push_back({Kind::slip, k, j});
-      sources_.back().offset = beyond_cone(sources_.back());
+      sources_.back().offset = beyond_cone(sources_.back(), at);
     } else {
       const Contact::Slip phase = contact.slip_phase(k);
       sources_.push_back({Kind::rest, k, j});  // steps may go past the end of a slip
@@ -84,23 +79,19 @@ springnet_status ContactEvents::separating_acceleration(const Source& source, co
 
 // A force already beyond the friction cone by rounding would never be seen to cross it: with this offset the node slips
 // once the force is twice as far beyond.
-double ContactEvents::beyond_cone(const Source& source) const {
+double ContactEvents::beyond_cone(const Source& source, AtCommitted& at) const {
   if (model_.step_length > 0.0) return 0.0;  // only methods that choose their own steps need it
-  ReactionsAt reactions(model_, model_.time, read_only(model_.state.view.position),
-                        read_only(model_.state.view.velocity));
   double margin = 0.0;
-  if (this->value(source, reactions, margin) != SPRINGNET_OK || margin > 0.0) return 0.0;
+  if (this->value(source, at(), margin) != SPRINGNET_OK || margin > 0.0) return 0.0;
   return -2.0 * margin + rounding_of_force * model_.scales.force;
 }
 
 // A node braced with others stays in contact although it would separate if it alone were released. With this offset it
 // is released once it would separate twice as fast.
-double ContactEvents::beyond_brace(const Source& source) const {
+double ContactEvents::beyond_brace(const Source& source, AtCommitted& at) const {
   if (model_.step_length > 0.0) return 0.0;  // only methods that choose their own steps need it
-  ReactionsAt reactions(model_, model_.time, read_only(model_.state.view.position),
-                        read_only(model_.state.view.velocity));
   double separating = 0.0;
-  if (this->value(source, reactions, separating) != SPRINGNET_OK || separating < 0.0) return 0.0;
+  if (this->value(source, at(), separating) != SPRINGNET_OK || separating < 0.0) return 0.0;
   return -2.0 * separating - rounding_of_force * model_.scales.force / model_.mass[source.index];
 }
 

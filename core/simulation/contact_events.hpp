@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -64,16 +65,33 @@ class ContactEvents {
   using Kind = Source::Kind;
   // Friction follows the direction of a slip faster than this multiple of the rest speed.
   static constexpr double quick_slip = 4.0;
-  void add_sources_of(std::uint32_t node, double tolerance, const Placement& now);
-  void add_sources_of_pairs();
+  static constexpr double rounding_of_force = 1e-14;  // in units of the force scale
+  // Reactions at the committed state, computed when they are first asked for.
+  class AtCommitted {
+   public:
+    explicit AtCommitted(Model& model) : model_(model) {}
+    ReactionsAt& operator()() {
+      if (!reactions_)
+        reactions_.emplace(model_, model_.time, read_only(model_.state.view.position),
+                           read_only(model_.state.view.velocity));
+      return *reactions_;
+    }
+
+   private:
+    Model& model_;
+    std::optional<ReactionsAt> reactions_;
+  };
+  void add_sources_of(std::uint32_t node, double tolerance, const Placement& now, AtCommitted& at);
+  void add_sources_of_pairs(AtCommitted& at);
   springnet_status pair_value(const Source& source, ReactionsAt& reactions, double& value) const;
   void find_pair(const Source& source, const State& state, Findings& findings);
   // Pairs of bodies that approach within the contact tolerance.
   void find_impacts(const State& state, Findings& findings);
   // Of a braced node: acceleration of its gap if it had no contact, m/s^2.
   springnet_status separating_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
-  [[nodiscard]] double beyond_cone(const Source& slip) const;      // N
-  [[nodiscard]] double beyond_brace(const Source& release) const;  // m/s^2
+  [[nodiscard]] double beyond_cone(const Source& slip, AtCommitted& at) const;        // N
+  [[nodiscard]] double beyond_brace(const Source& release, AtCommitted& at) const;    // m/s^2
+  [[nodiscard]] double beyond_release(const Source& release, AtCommitted& at) const;  // N, of a pair
   [[nodiscard]] bool is_impacting(const Source& touch, const Placement& at, const State& state, double tolerance) const;
 
   Model& model_;

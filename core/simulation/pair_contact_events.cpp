@@ -14,7 +14,7 @@ constexpr double times_overlap = 4.0;  // from which on a pair that overlaps a l
 
 }  // namespace
 
-void ContactEvents::add_sources_of_pairs() {
+void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
   const BodyContacts& bodies = model_.constraints.bodies();
   const double tolerance = model_.contact_tolerance();
   for (const proximity::NearPair& each : pairs_apart_within(model_, read_only(model_.state.view.position), 0.0))
@@ -27,17 +27,26 @@ void ContactEvents::add_sources_of_pairs() {
       sources_.push_back({kind, node, no_surface, 0.0, static_cast<std::int32_t>(i)});
     };
     add(Kind::release);
+    sources_.back().offset = beyond_release(sources_.back(), at);
     const double mu = coefficient_of(bodies.law_of(touch.kind, touch.pair).friction);
     if (!(mu > 0.0) || (touch.sticks && !std::isfinite(mu))) continue;
     if (touch.sticks) {
       add(Kind::slip);
-      sources_.back().offset = beyond_cone(sources_.back());
+      sources_.back().offset = beyond_cone(sources_.back(), at);
       continue;
     }
     add(Kind::rest);
     add(touch.phase == Contact::Slip::ongoing ? Kind::slow : Kind::quick);
     if (touch.phase == Contact::Slip::starting) add(Kind::stall);
   }
+}
+
+// Of faces on faces the smallest forces may pull a pair a little; with this offset it is released once they pull twice as
+// much.
+double ContactEvents::beyond_release(const Source& source, AtCommitted& at) const {
+  double pulling = 0.0;
+  if (pair_value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return 0.0;
+  return -2.0 * pulling - rounding_of_force * model_.scales.force;
 }
 
 springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& reactions, double& value) const {
@@ -49,7 +58,7 @@ springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& re
   const BodyMotion::OfPair& pair = all->pairs()[static_cast<std::size_t>(source.pair)];
   switch (source.kind) {
     case Kind::release:
-      value = -pair.pressing;
+      value = source.offset - pair.pressing;
       break;
     case Kind::slip:
       value = cone_margin(coefficient_of(bodies.law_of(touch.kind, touch.pair).friction), pair.pressing,

@@ -295,12 +295,13 @@ bool Settling::chatters(const Island& island) {
   const double short_time =
       std::max(soon * model_.scales.length / model_.scales.velocity, few_steps * model_.step_length);
   bool result = false;
+  std::set<std::uint32_t> counted;  // a node may be in many pairs
   for (const ContactNode& node : island.nodes()) {
     const bool struck = std::any_of(node.impulse.begin(), node.impulse.end(),
                                     [](const Vector3& impulse) { return !impulse.isZero(0.0); });
     const bool was = node.pair < 0 ? model_.contact.committed(node.node).surface >= 0
                                    : candidates_[static_cast<std::size_t>(node.pair)].was;
-    if (!struck || was) continue;
+    if (!struck || was || !counted.insert(node.node).second) continue;
     const int touches = model_.recent_touches.count(node.node, time_, short_time);
     result = result || touches >= many_touches;
   }
