@@ -29,7 +29,7 @@ inline constexpr double gap_tolerance = 1e-4;
 struct PairTouch {
   proximity::PairKind kind;
   proximity::Pair pair;
-  Vector3 force = Vector3::Zero();  // N, on the first: mean over the last step
+  Vector3 force = Vector3::Zero();  // N, on the first: mean over the last step, or at the time
   Vector3 guess = Vector3::Zero();  // N: of that over the next step
   // While events are located, as of nodes on obstacles: friction holds it, or it slides.
   bool sticks = false;

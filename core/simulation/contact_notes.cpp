@@ -25,9 +25,10 @@ void note_grazing_slip(Model& model, std::uint32_t node, std::size_t surface, do
 void note_unresolved(Model& model, std::uint32_t node, double time) {
   if (model.journal.count("unresolved_contacts") > 1.0) return;
   model.journal.note(fmt::format(
-      "At {:g} s no contact forces were found that fit node {} and the nodes rigidly connected to it: one of them may "
-      "pull, or friction exceed its limit; such moments are counted as unresolved_contacts.",
-      time, model.user_number(node)));
+      "At {:g} s no contact forces were found that fit node {} and {}: one of them may pull, or friction exceed its "
+      "limit; such moments are counted as unresolved_contacts.",
+      time, model.user_number(node),
+      model.rigid.is_joined(node) ? "the nodes rigidly connected to it" : "the bodies that touch there"));
 }
 
 void note_held_friction(Model& model, const std::string& pair, double time) {

@@ -37,7 +37,8 @@ class Engine {
 
   // ---- a step, for integrators: statuses and messages as in springnet_host ----
   springnet_status begin_step(double from, double until);
-  springnet_status begin_interval(double from, double until);
+  // locates_bodies: events of bodies in contact are located, too.
+  springnet_status begin_interval(double from, double until, bool locates_bodies);
   springnet_status run_sweep(const springnet_sweep& sweep);
   springnet_status constrain(const springnet_sweep& sweep);
   springnet_status fire_events(double time, State& state, const std::int32_t* fired);

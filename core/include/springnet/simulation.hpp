@@ -94,7 +94,7 @@ struct BodyTouch {
   std::array<double, 4> weights{};     // of the nodes, where they touch: of the first 1 in all, of the second -1
   Vector3 position = Vector3::Zero();  // m, between both
   Vector3 normal = Vector3::Zero();    // unit, from the second to the first
-  Vector3 force = Vector3::Zero();     // N, on the first: mean over the last step
+  Vector3 force = Vector3::Zero();     // N, on the first: mean over the last step; at the time where events are located
 };
 
 // What a grasped node or a surface feels near where it is: the force at the end of a step, and how it would differ had

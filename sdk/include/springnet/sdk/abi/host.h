@@ -194,7 +194,8 @@ typedef struct springnet_event_values {
   /* From ABI 2.1 on; [event_count], each null where it is not wanted. They change only together with `revision`. */
   uint32_t* kinds;    /* SPRINGNET_EVENT_TOUCH ... */
   uint32_t* who;      /* a node, engine's number; for ruptures the number of the spring or element, as in the scene */
-  uint32_t* surfaces; /* that the node touches, as in the scene: planes, then instruments; 0xffffffff: none */
+  uint32_t* surfaces; /* that the node touches, as in the scene: planes, then instruments; 0xffffffff: none, as of a
+                         pair of bodies that touch, whose first node is in `who` */
 } springnet_event_values;
 
 /* Carries out the events marked 1 in `fired`, and those that coincide with them, on the given state: projects positions
@@ -473,9 +474,10 @@ typedef struct springnet_host {
   springnet_status (*event_values)(void* context, const springnet_event_values* values);
   springnet_status (*fire_events)(void* context, const springnet_event_firing* firing);
   springnet_status (*next_discontinuity)(void* context, springnet_discontinuity* discontinuity);
-  /* When a node first touches a surface in the searched part of the step. Also finds nodes that have left again by the
-   * end, for example through a thin obstacle, which event_values at the ends does not show. The result does not depend
-   * on how a step is divided into searches. fire_events at that time, with nothing marked, carries out the touch. */
+  /* When a node first touches a surface, or a body another one, in the searched part of the step. Also finds nodes that
+   * have left again by the end, for example through a thin obstacle, which event_values at the ends does not show. The
+   * result does not depend on how a step is divided into searches. fire_events at that time, with nothing marked,
+   * carries out the touch. */
   springnet_status (*time_of_impact)(void* context, springnet_impact_search* search);
 
   springnet_status (*commit)(void* context, const springnet_commitment* commitment);
