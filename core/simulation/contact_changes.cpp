@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "constraints/vectors.hpp"
@@ -21,6 +22,22 @@ constexpr double squeezed = 1e-7;
 // Smaller changes of a prescribed velocity, in units of the velocity scale, belong to a smooth motion.
 constexpr double no_jump = 1e-9;
 
+// Pairs of bodies that something else has moved apart since they touched. (Steps of others leave gaps, too.)
+void drop_parted(Model& model) {
+  BodyContacts& bodies = model.constraints.bodies();
+  const double most = std::max(gap_tolerance * bodies.least_thickness(), model.contact_tolerance());
+  std::vector<PairTouch> touching = bodies.touching();
+  std::erase_if(touching, [&](const PairTouch& touch) {
+    const PairMotion motion = pair_motion(bodies, touch.kind, touch.pair, read_only(model.state.view.position),
+                                          read_only(model.state.view.velocity), model.node_count());
+    if (motion.gap <= most) return false;
+    record_pair(model, Event::Kind::parted, model.time, motion, read_only(model.state.view.position),
+                first_velocity(motion, read_only(model.state.view.velocity)), Vector3::Zero());
+    return true;
+  });
+  bodies.set_touching(std::move(touching));
+}
+
 }  // namespace
 
 // Considers nodes in contact, and nodes that lie on an obstacle and may be pushed into it.
@@ -31,6 +48,7 @@ springnet_status settle_contacts(Model& model) {
   const double tolerance = model.contact_tolerance();
   Findings findings;
   if (bodies.located()) {
+    drop_parted(model);
     for (const PairTouch& touch : bodies.touching()) findings.pairs[touch.key()];
     for (const proximity::NearPair& near : pairs_apart_within(model, read_only(model.state.view.position), tolerance))
       findings.pairs[{near.kind, near.pair}];
@@ -88,7 +106,8 @@ std::set<std::uint32_t> follow_prescribed(Model& model) {
 Followed follow_jumps(Model& model, double from, bool leave_told) {
   const std::set<std::uint32_t> pulled = follow_prescribed(model);
   const Contact& contact = model.contact;
-  if (contact.obstacles().empty()) return {SPRINGNET_OK, !pulled.empty()};
+  const BodyContacts& bodies = model.constraints.bodies();
+  if (contact.obstacles().empty() && !bodies.located()) return {SPRINGNET_OK, !pulled.empty()};
   const double length = model.time > from ? model.time - from : model.time_step;  // none before the first step
   const std::shared_ptr<const Placement> before = contact.at(just_before(model.time, length));
   const std::shared_ptr<const Placement> now = model.placement_now();
@@ -101,6 +120,11 @@ Followed follow_jumps(Model& model, double from, bool leave_told) {
     for (const std::int32_t surface : contact.committed(k).surfaces())
       if (surface >= 0 && jumps(static_cast<std::size_t>(surface), vector_at(model.state.view.position, k)))
         findings.nodes[k];
+  for (const PairTouch& touch : bodies.touching()) {
+    const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
+    const auto is_moved = [&](NodeIndex k) { return contact.prescribed().moves(k); };
+    if (bodies.located() && std::any_of(nodes.begin(), nodes.end(), is_moved)) findings.pairs[touch.key()];
+  }
   for (const std::uint32_t cluster : pulled)
     for (const std::uint32_t k : model.rigid.nodes_of(cluster))
       if (contact.touching()[k] != 0) findings.nodes[k];

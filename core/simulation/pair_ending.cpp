@@ -8,28 +8,22 @@
 #include <vector>
 
 #include "constraints/vectors.hpp"
+#include "simulation/pair_events.hpp"
 
 namespace springnet {
 namespace {
 
 constexpr double accuracy_share = 1e-5;  // of the tolerance of gaps: most have it soon
 
-void record_pair(Model& model, Event::Kind kind, const PairRow& row, const PairEnding& step, const Vector3& impulse) {
-  Event event{kind, step.until, model.user_number(row.nodes[0])};
-  event.impulse = impulse;
-  const auto firsts = static_cast<std::size_t>(proximity::first_nodes(row.kind));
-  for (int i = 0; i < row.count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    event.pair[k] = model.user_number(row.nodes[k]);
-    if (k < firsts) {
-      event.position += row.weights[k] * vector_at(step.nodes.position, row.nodes[k]);
-      event.velocity += row.weights[k] * vector_at(step.start_velocity, row.nodes[k]);
-    }
-  }
-  event.pair_first = static_cast<std::uint8_t>(firsts);
-  event.pair_count = static_cast<std::uint8_t>(row.count);
-  event.normal = row.normal;
-  model.journal.record(event);
+void record(Model& model, Event::Kind kind, const PairRow& row, const PairEnding& step, const Vector3& impulse) {
+  PairMotion pair;
+  pair.kind = row.kind;
+  pair.nodes = row.nodes;
+  pair.weights = row.weights;
+  pair.count = static_cast<std::size_t>(row.count);
+  pair.normal = row.normal;
+  record_pair(model, kind, step.until, pair, read_only(step.nodes.position), first_velocity(pair, step.start_velocity),
+              impulse);
 }
 
 ClusterResponses clusters_of(const Model& model, const PairEnding& step, const std::vector<proximity::NearPair>& near) {
@@ -150,12 +144,12 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
     const Vector3 at_end = found == last.end() ? Vector3(Vector3::Zero()) : found->second;
     const Vector3 impulse = pair.impulse + at_end;
     const bool acts = pair.row.normal.dot(impulse) > 0.0;
-    if (!pair.touched && acts) record_pair(model, Event::Kind::met, pair.row, step, impulse);
+    if (!pair.touched && acts) record(model, Event::Kind::met, pair.row, step, impulse);
     if ((stays[&pair] || held.contains(&pair)) && (pair.touched || acts)) {
       const Vector3 guess = step.in_halves ? Vector3(2.0 * at_end) : pair.impulse;
       touching.push_back({key.first, key.second, impulse / step.length, guess / step.length});
     } else if (pair.touched || acts) {
-      record_pair(model, Event::Kind::parted, pair.row, step, Vector3::Zero());
+      record(model, Event::Kind::parted, pair.row, step, Vector3::Zero());
     }
   }
   bodies.set_touching(std::move(touching));

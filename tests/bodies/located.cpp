@@ -290,6 +290,70 @@ TEST_CASE("the reference: a block on a block, with and without friction, on an i
   }
 }
 
+TEST_CASE(
+    "the reference: a ball that a moved one pushes goes on where that stops, and is struck where it turns round") {
+  const double speed = 2.0;
+  for (const double e : {0.0, 0.5}) {
+    CAPTURE(e);
+    Network net;
+    const NodeIndex club = add_ball(net, "club", {0, 0, 0}, at_rest, 1.0, 0.1);
+    add_ball(net, "ball", {0.2, 0, 0}, at_rest, 0.4, 0.1);
+    add_ball(net, "wall", {1.6, 0, 0}, at_rest, 1.0, 0.1, true);
+    touch_all(net, frictionless, e);
+    Motion motion;  // to 0.4, where it waits until 0.5 s, and back
+    motion.interpolation = Motion::Interpolation::linear;
+    motion.times = {0.0, 0.2, 0.5, 0.7};
+    motion.displacements = {Vector3::Zero(), Vector3(0.4, 0, 0), Vector3(0.4, 0, 0), Vector3::Zero()};
+    net.add_move({{club}, motion});
+    Simulation s = simulate(net, reference(), 0.007);
+    while (s.time() < 0.3) s.step();
+    // Struck at the start, with (1 + e) of the club's speed; without restitution it is pushed until the club stops.
+    const double leaves = (1.0 + e) * speed;
+    CHECK(s.velocity(1)[0] == doctest::Approx(leaves).epsilon(1e-9));
+    CHECK(s.position(1)[0] == doctest::Approx(0.2 + leaves * s.time()).epsilon(1e-9));
+    while (s.time() < 0.65) s.step();
+    // It reaches the wall 1.2 m further on.
+    const double arrives = 1.2 / leaves;
+    CHECK(s.velocity(1)[0] == doctest::Approx(-e * leaves).epsilon(1e-9));
+    CHECK(s.position(1)[0] == doctest::Approx(1.4 - e * leaves * (s.time() - arrives)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("the reference: pairs that the program moves apart part, and those whose speed it sets are struck") {
+  Network net = pile_of_balls(2, 0.3, 0.1);
+  Simulation s = simulate(net, reference(), 0.01);
+  advance(s, 5);
+  REQUIRE(s.body_touches().size() == 2);
+  s.set_position(2, {0, 0, 0.5});
+  s.step();
+  CHECK(s.body_touches().size() == 1);
+  CHECK(s.position(2)[2] == doctest::Approx(0.5 - 0.5 * g * 1e-4).epsilon(1e-9));
+  CHECK(s.position(1)[2] == doctest::Approx(0.2).epsilon(1e-9));
+  s.set_velocity(1, {0, 0, -3});  // into the fixed one
+  s.step();
+  CHECK(s.velocity(1).norm() <= 1e-9);
+  s.set_velocity(1, {0, 0, 1});
+  s.step();
+  CHECK(s.body_touches().empty());
+  CHECK(s.velocity(1)[2] == doctest::Approx(1.0 - g * 0.01).epsilon(1e-9));
+}
+
+TEST_CASE("the reference goes on with contacts of the network, and the network with those of the reference") {
+  const double m = 0.3, radius = 0.1;
+  const int count = 3;
+  for (const bool first : {true, false}) {
+    CAPTURE(first);
+    const Network net = pile_of_balls(count, m, radius);
+    const LawUse network{"recurrent", {}}, located = reference(1e-8);
+    Simulation before = simulate(net, first ? network : located, 0.01);
+    advance(before, 20);
+    REQUIRE(before.body_touches().size() == static_cast<std::size_t>(count));
+    before.set_integrator(first ? located : network);
+    advance(before, 20);
+    check_pile(before, count, m, radius);
+  }
+}
+
 TEST_CASE("the reference: what touches nothing moves as without contact, in all bits") {
   const auto run = [](bool with) {
     Network net;
