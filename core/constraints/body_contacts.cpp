@@ -241,7 +241,7 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 98, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 105, "contacts of bodies");
   touching_.resize(count);
   archive.flag(located_);
   for (PairTouch& each : touching_) {

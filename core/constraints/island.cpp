@@ -379,6 +379,22 @@ bool Island::resolve_impulses(double negligible) {
   return true;
 }
 
+// Faces on faces have more pairs than forces are determined by: those of solve(), the smallest, may lie outside of
+// cones, though those of relax(), which give the same motion, are inside.
+bool Island::solves_as_relaxed() {
+  constexpr double same = 1e-6;
+  std::vector<Vector3> relaxed;
+  double scale = 0.0;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    relaxed.push_back(acceleration(i));
+    scale = std::max(scale, (relaxed.back() - nodes_[i].acceleration).norm());
+  }
+  solve();
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if ((acceleration(i) - relaxed[i]).norm() > same * scale) return false;
+  return true;
+}
+
 bool Island::resolve(double negligible, bool thoroughly) {
   std::set<std::size_t> changed;
   const std::uint64_t start = active_set();
@@ -386,20 +402,16 @@ bool Island::resolve(double negligible, bool thoroughly) {
   // Faces on faces have more pairs than determine forces: pivots run in circles.
   if (thoroughly && has_pairs_ && bits > max_pivoted) {
     const std::vector<ContactNode> before = nodes_;
-    if (relax(friction_of_held, Island::max_rounds, {})) {
-      solve();
-      return true;
-    }
+    if (relax(friction_of_held, Island::max_rounds, {}) && solves_as_relaxed()) return true;
     nodes_ = before;
   }
   if (pivot(negligible, changed)) return true;
   if (thoroughly && bits <= max_bits && enumerate(negligible)) return true;
   if (bits <= max_stored) set_active_set(start);
   if (thoroughly && relax(friction_of_held, Island::max_rounds, {})) {
-    solve();
-    // Faces on faces have more pairs than forces are determined by: those of solve(), the smallest, may lie outside of
-    // cones, though others of the same motion are inside.
-    if (has_pairs_ || find_violation(1e3 * negligible).kind == Violation::Kind::none) return true;
+    if (has_pairs_ && solves_as_relaxed()) return true;
+    if (!has_pairs_) solve();
+    if (find_violation(1e3 * negligible).kind == Violation::Kind::none) return true;
   }
   jammed_.clear();
   for (const std::size_t i : changed)

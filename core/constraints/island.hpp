@@ -98,7 +98,8 @@ class Island {
   bool end_slip(double negligible);
   // Applies impulses of either sign that end gap rates below `slow` (m/s). A body that rocks between contacts does so
   // infinitely often in a finite time and then rests.
-  void end_rocking(double slow);
+  // pulls: also by impulses that pull.
+  void end_rocking(double slow, bool pulls = true);
   // Applies jamming impulses: they end slip faster than `negligible` (m/s) of the nodes for which the last resolve()
   // failed. Returns whether there was one.
   bool jam(double negligible);
@@ -151,6 +152,7 @@ class Island {
   // of holding surfaces; `from`: starting forces, if any. Sets the active set and the forces; false if it does not
   // converge.
   bool relax(double held_coefficient, int rounds, const std::vector<Vector3>& from);
+  bool solves_as_relaxed();  // after relax()
   [[nodiscard]] auto block(std::size_t row, std::size_t column) const {
     return mobility_.block<3, 3>(static_cast<Eigen::Index>(3 * row), static_cast<Eigen::Index>(3 * column));
   }

@@ -168,7 +168,7 @@ void Island::end_rates(const std::vector<Row>& rows) {
   }
 }
 
-void Island::end_rocking(double slow) {
+void Island::end_rocking(double slow, bool pulls) {
   for (int round = 0; round < max_rounds; ++round) {
     double greatest = 0.0;
     const auto apply = [&](std::size_t i, std::size_t s, const Vector3& impulse, double speed) {
@@ -181,9 +181,15 @@ void Island::end_rocking(double slow) {
         const ContactSide& side = nodes_[i].sides[s];
         const double rate = side.normal.dot(side.velocity), response = side.normal.dot(block(i, i) * side.normal);
         if (rate == 0.0 || std::abs(rate) > slow || !(response > 0.0)) continue;
-        apply(i, s, -rate / response * side.normal, std::abs(rate));
+        if (pulls) {
+          apply(i, s, -rate / response * side.normal, std::abs(rate));
+          continue;
+        }
+        // Pairs of several faces at one place would otherwise push each other apart.
+        const double impulse = std::max(-rate / response, -side.normal.dot(nodes_[i].impulse[s]));
+        if (impulse != 0.0) apply(i, s, impulse * side.normal, std::abs(impulse) * response);
       }
-      if (nodes_[i].sides.empty()) continue;
+      if (nodes_[i].sides.empty() || (nodes_[i].pair >= 0 && !pulls)) continue;
       // Friction also ends slip below this speed.
       const ContactSide& first = nodes_[i].sides.front();
       const double speed = first.velocity.norm();

@@ -6,20 +6,17 @@
 #include <limits>
 
 #include "profile/stage.hpp"
+#include "simulation/impact_search.hpp"
+#include "simulation/pair_events.hpp"
 
 namespace springnet {
 namespace {
 
-// Times that differ by this many roundings are the same.
-constexpr double roundings = 16.0;
 // In units of the skin of the list of neighbours: of paths between two times.
 constexpr double most_bend = 0.2;
 constexpr double shortest_part = 1.0 / 1024.0;  // of the step
 // In units of the thickness: a pair this deep is inside, however uncertain positions are.
 constexpr double share_of_inside = 0.25;
-
-// Bound on the distance between a path and its chord, as for obstacles: twice that of Hermite's cubic.
-double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
 
 struct Ends {
   std::size_t firsts, count;
@@ -60,10 +57,14 @@ proximity::Positions BodyImpactSearch::positions(const Instant& instant) const {
   return positions_of({x, x + n, x + 2 * n}, n);
 }
 
-double BodyImpactSearch::gap(const Instant& at, const Watched& pair) const {
+double BodyImpactSearch::reach(const Watched& pair) const {
+  return model_.constraints.bodies().primitives().thickness(pair.kind, pair.pair) - pair.depth;
+}
+
+bool BodyImpactSearch::is_inside(const Instant& at, const Watched& pair) const {
   const proximity::Primitives& all = model_.constraints.bodies().primitives();
-  return separation(pair.kind, all.corners(pair.kind, pair.pair, positions(at))).distance -
-         all.thickness(pair.kind, pair.pair);
+  const proximity::Separation now = separation(pair.kind, all.corners(pair.kind, pair.pair, positions(at)));
+  return now.distance <= reach(pair) && can_move(model_, all.nodes_of(pair.kind, pair.pair), now.weights);
 }
 
 bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, const Watched& pair) const {
@@ -72,7 +73,7 @@ bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, cons
   const std::array<NodeIndex, 4> nodes = all.nodes_of(pair.kind, pair.pair);
   const std::array<Vector3, 4> start = all.corners(pair.kind, pair.pair, positions(from)),
                                end = all.corners(pair.kind, pair.pair, positions(until));
-  const double h = until.time - from.time, reach = all.thickness(pair.kind, pair.pair) - pair.depth;
+  const double h = until.time - from.time, reach = this->reach(pair);
   std::array<Vector3, 4> bent0, bent1;
   const Ends ends = ends_of(pair.kind);
   for (std::size_t i = 0; i < ends.count; ++i) {
@@ -113,9 +114,9 @@ std::optional<double> BodyImpactSearch::first(const Instant& from, const Instant
   if (near.empty()) return std::nullopt;
   const double length = until.time - from.time;
   const double size = std::max(std::abs(until.time), search_.step_until - search_.step_from);
-  if (length <= roundings * std::numeric_limits<double>::epsilon() * size) {
+  if (length <= ImpactSearch::roundings * std::numeric_limits<double>::epsilon() * size) {
     const bool touches =
-        std::any_of(near.begin(), near.end(), [&](const Watched& pair) { return gap(until, pair) <= -pair.depth; });
+        std::any_of(near.begin(), near.end(), [&](const Watched& pair) { return is_inside(until, pair); });
     return touches ? std::optional(until.time) : std::nullopt;
   }
   Instant middle;
@@ -155,13 +156,18 @@ std::optional<double> BodyImpactSearch::first_deep(const Instant& from, const In
   std::vector<Watched> deep;
   for (const proximity::PairKind kind : proximity::pair_kinds)
     for (const proximity::Pair& pair : bodies.list().pairs()[kind]) {
-      if (touching_.contains({kind, pair})) continue;
+      if (!is_watched(kind, pair)) continue;
       deep.push_back({kind, pair, depth_of(kind, pair) + uncertainty(kind, pair)});
       // What was missed touches as soon as it is found.
-      if (gap(from, deep.back()) <= -deep.back().depth && approaches(from, deep.back()))
-        return std::max(from.time, search_.from);
+      if (is_inside(from, deep.back()) && approaches(from, deep.back())) return std::max(from.time, search_.from);
     }
   return first(from, until, deep, {search_.from, search_.until});
+}
+
+bool BodyImpactSearch::is_watched(proximity::PairKind kind, proximity::Pair pair) const {
+  constexpr std::array<double, 4> any{1.0, 1.0, 1.0, 1.0};
+  return !touching_.contains({kind, pair}) &&
+         can_move(model_, model_.constraints.bodies().primitives().nodes_of(kind, pair), any);
 }
 
 double BodyImpactSearch::depth_of(proximity::PairKind kind, proximity::Pair pair) const {
@@ -188,17 +194,24 @@ springnet_status BodyImpactSearch::find(double& time) {
   Instant start, end, then;
   if (!evaluate(search_.step_from, start) || !evaluate(search_.step_until, end)) return status_;
   const std::optional<double> inside = first_deep(start, end);
-  if (!inside || !evaluate(*inside, then)) return status_;
+  // What approaches behind its surface where the step ends has touched, too, however little.
+  const bool ends = !inside && search_.until >= search_.step_until;
+  if ((!inside && !ends) || !evaluate(inside.value_or(search_.step_until), then)) return status_;
+  const auto margin = [&](proximity::PairKind kind, proximity::Pair pair) {
+    return inside ? uncertainty(kind, pair) : 0.0;
+  };
   std::vector<Watched> entered;
   for (const proximity::PairKind kind : proximity::pair_kinds)
     for (const proximity::Pair& pair : model_.constraints.bodies().list().pairs()[kind]) {
       const Watched each{kind, pair, depth_of(kind, pair)};
-      if (!touching_.contains({kind, pair}) && gap(then, each) <= -each.depth - uncertainty(kind, pair))
+      if (is_watched(kind, pair) && is_inside(then, {kind, pair, each.depth + margin(kind, pair)}) &&
+          (inside || (!is_inside(start, each) && approaches(then, each))))
         entered.push_back(each);
     }
   // No earlier than the start of the searched part: earlier searches found no pair deep enough.
-  const std::optional<double> begins = first(start, then, entered, {search_.step_from, *inside});
-  if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(*inside));
+  if (entered.empty() && !inside) return status_;
+  const std::optional<double> begins = first(start, then, entered, {search_.step_from, then.time});
+  if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(then.time));
   return status_;
 }
 

@@ -1,5 +1,5 @@
-// Continuous collision detection of bodies within a step with dense output: the time at which a pair that does not touch
-// first does, even if it has separated again by the end.
+// Continuous collision detection of bodies within a step with dense output: the time at which a pair that does not
+// touch first does, even if it has separated again by the end.
 //
 // With a fixed direction n the distance of a pair is at least the least n.(a - b) of a node a of its first and a node b
 // of its second primitive, and equal to it where n is the pair's direction. Between two times it is at least the lesser
@@ -40,7 +40,10 @@ class BodyImpactSearch {
   };
   [[nodiscard]] bool evaluate(double time, Instant& instant);
   [[nodiscard]] proximity::Positions positions(const Instant& instant) const;
-  [[nodiscard]] double gap(const Instant& at, const Watched& pair) const;
+  [[nodiscard]] double reach(const Watched& pair) const;  // m: the distance at which it touches
+  [[nodiscard]] bool is_inside(const Instant& at, const Watched& pair) const;
+  // It does not touch yet, and some of its nodes can move.
+  [[nodiscard]] bool is_watched(proximity::PairKind kind, proximity::Pair pair) const;
   [[nodiscard]] bool may_touch(const Instant& from, const Instant& until, const Watched& pair) const;
   [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until,
                                             const std::vector<Watched>& pairs, const Part& part);

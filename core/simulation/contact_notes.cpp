@@ -39,14 +39,17 @@ void note_held_friction(Model& model, const std::string& pair, double time) {
                   time, pair));
 }
 
-springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time) {
+springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time,
+                          const std::string& bodies) {
   const std::uint32_t* clusters = model.rigid.cluster_of();
   const bool rods = clusters != nullptr && clusters[node] != ConstraintRow::no_node;
+  const std::string between =
+      model.contact.names_of(surfaces) + (surfaces.empty() || bodies.empty() ? "" : " and ") + bodies;
   set_message(model.journal.message,
               fmt::format("At {:.9g} s there is no place left for node {}{} between {}{}: they have closed; stop their "
                           "motion earlier, or let the node escape",
-                          time, model.user_number(node), rods ? " and the nodes rigidly connected to it" : "",
-                          model.contact.names_of(surfaces), surfaces.size() < 2 ? " and what else holds it" : ""));
+                          time, model.user_number(node), rods ? " and the nodes rigidly connected to it" : "", between,
+                          surfaces.size() < 2 && bodies.empty() ? " and what else holds it" : ""));
   return SPRINGNET_RECOVERABLE;
 }
 

@@ -17,7 +17,8 @@ void note_grazing_slip(Model& model, std::uint32_t node, std::size_t surface, do
 void note_unresolved(Model& model, std::uint32_t node, double time);
 // Friction of bodies was held before it settled, although a pair slips inside its cone.
 void note_held_friction(Model& model, const std::string& pair, double time);
-// Sets the message that these obstacles leave no place for a node; returns SPRINGNET_RECOVERABLE.
-springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time);
+// Sets the message that these obstacles, and bodies in words, leave no place for a node; returns SPRINGNET_RECOVERABLE.
+springnet_status no_place(Model& model, std::uint32_t node, const std::vector<std::int32_t>& surfaces, double time,
+                          const std::string& bodies = {});
 
 }  // namespace springnet

@@ -9,17 +9,11 @@
 namespace springnet {
 namespace {
 
-// Times that differ by this many roundings are the same.
-constexpr double roundings = 16.0;
 // In parts this short the path is taken as the cubic through its ends: its error is 256^-4 of that over the step.
 constexpr double shortest_part = 1.0 / 256.0;
 constexpr double tenth_of_turn = 0.6;  // rad
 // A node deeper than this share of the obstacle's inscribed radius is inside, however uncertain positions are.
 constexpr double share_of_inside = 0.25;
-
-// Bound on the distance between a path and its chord, m: twice that of Hermite's cubic, h (s (1-s)^2 (u0 - c) -
-// s^2 (1-s) (u1 - c)) with velocities u at its ends and c = chord / h, which is at most 4/27 h (|u0 - c| + |u1 - c|).
-double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
 
 }  // namespace
 

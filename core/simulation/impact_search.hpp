@@ -11,8 +11,14 @@
 
 namespace springnet {
 
+// Bound on the distance between a path and its chord, m: twice that of Hermite's cubic, h (s (1-s)^2 (u0 - c) -
+// s^2 (1-s) (u1 - c)) with velocities u at its ends and c = chord / h, which is at most 4/27 h (|u0 - c| + |u1 - c|).
+inline double bend_of(double bent0, double bent1) { return 2.0 * 4.0 / 27.0 * (bent0 + bent1); }
+
 class ImpactSearch {
  public:
+  // Times that differ by this many roundings are the same.
+  static constexpr double roundings = 16.0;
   // Searches the touches among these events; see springnet_host::time_of_impact.
   ImpactSearch(const Model& model, const std::vector<ContactEvents::Source>& sources,
                const springnet_impact_search& search);

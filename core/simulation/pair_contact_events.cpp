@@ -41,8 +41,8 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
   }
 }
 
-// Of faces on faces the smallest forces may pull a pair a little; with this offset it is released once they pull twice as
-// much.
+// Of faces on faces the smallest forces may pull a pair a little; with this offset it is released once they pull twice
+// as much.
 double ContactEvents::beyond_release(const Source& source, AtCommitted& at) const {
   double pulling = 0.0;
   if (pair_value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return 0.0;
@@ -55,6 +55,10 @@ springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& re
   const double rest = model_.contact.rest_speed();
   const BodyMotion* all = nullptr;
   if (const springnet_status status = reactions.bodies(all); status != SPRINGNET_OK) return status;
+  if (all == nullptr) {
+    value = 1.0;  // a step decides
+    return SPRINGNET_OK;
+  }
   const BodyMotion::OfPair& pair = all->pairs()[static_cast<std::size_t>(source.pair)];
   switch (source.kind) {
     case Kind::release:
@@ -129,8 +133,7 @@ void ContactEvents::find_impacts(const State& state, Findings& findings) {
        pairs_apart_within(model_, read_only(state.view.position), model_.contact_tolerance())) {
     const PairMotion motion = pair_motion(bodies, each.kind, each.pair, read_only(state.view.position),
                                           read_only(state.view.velocity), model_.node_count());
-    if (motion.normal.dot(motion.velocity) < -model_.no_speed())
-      findings.pairs[{each.kind, each.pair}].touched = true;
+    if (motion.normal.dot(motion.velocity) < -model_.no_speed()) findings.pairs[{each.kind, each.pair}];
   }
 }
 

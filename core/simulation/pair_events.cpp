@@ -32,6 +32,12 @@ void record_pair(Model& model, Event::Kind kind, double time, const PairMotion& 
   model.journal.record(event);
 }
 
+bool can_move(const Model& model, const std::array<NodeIndex, 4>& nodes, const std::array<double, 4>& weights) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (weights[i] != 0.0 && model.contact.fixed()[nodes[i]] == 0) return true;
+  return false;
+}
+
 std::vector<proximity::NearPair> pairs_apart_within(Model& model, const springnet_const_vectors& position, double gap) {
   BodyContacts& bodies = model.constraints.bodies();
   if (!bodies.any()) return {};
@@ -41,7 +47,10 @@ std::vector<proximity::NearPair> pairs_apart_within(Model& model, const springne
   proximity::find_near(bodies.primitives(), bodies.list().pairs(), x, gap, near, model.evaluator.threads());
   std::set<std::pair<proximity::PairKind, proximity::Pair>> touching;
   for (const PairTouch& touch : bodies.touching()) touching.insert(touch.key());
-  std::erase_if(near, [&](const proximity::NearPair& each) { return touching.contains({each.kind, each.pair}); });
+  std::erase_if(near, [&](const proximity::NearPair& each) {
+    return touching.contains({each.kind, each.pair}) ||
+           !can_move(model, bodies.primitives().nodes_of(each.kind, each.pair), each.separation.weights);
+  });
   return near;
 }
 

@@ -71,6 +71,7 @@ class ReactionsAt {
     without_ = node;
     std::fill(cluster_known_.begin(), cluster_known_.end(), std::uint8_t{0});
     bracing_.clear();
+    bodies_.reset();
   }
   [[nodiscard]] Vector3 position(std::uint32_t node) const;
   [[nodiscard]] Vector3 velocity(std::uint32_t node) const;

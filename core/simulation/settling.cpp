@@ -18,8 +18,6 @@ namespace springnet {
 namespace {
 
 constexpr double jump = 1e-6;  // in units of the velocity scale
-// Uncertainty of positions in the reference, at least, in units of the length scale.
-constexpr double uncertain = 1e-8, shallow = 1e-7;
 // Slower rebounds, in units of the velocity scale, end: there are infinitely many in a finite time, and the fall within
 // the contact tolerance would make up for the energy of the last ones. Rebounds slower than `steps_of_fall` times the
 // speed gained in a step end, too.
@@ -160,7 +158,8 @@ springnet_status Settling::accelerate(Island& island) {
   if (rods_) rods_->accelerate(position, velocity, accelerations);
   const auto acceleration_of = [&](std::uint32_t k) -> Vector3 {
     const auto place = std::lower_bound(members_.begin(), members_.end(), k);
-    if (place != members_.end() && *place == k) return accelerations[static_cast<std::size_t>(place - members_.begin())];
+    if (place != members_.end() && *place == k)
+      return accelerations[static_cast<std::size_t>(place - members_.begin())];
     Vector3 moved;  // of one that is fixed or moved, which is no member
     return reactions.unsupported(k, moved) == SPRINGNET_OK ? moved : Vector3::Zero();
   };
@@ -256,7 +255,8 @@ void Settling::commit_contact(const ContactNode& node, const Vector3& came) {
   if (stays && now.slides != (before.slides && !finding(k).slip_ended))
     record(now.slides ? Event::Kind::slipped : Event::Kind::stuck, now.surface);
   if (now != before || finding(k).slip_ended || finding(k).slips) model_.changed();
-  const bool was_braced = contact.braced(k), braced = node.braced && node.sticks && now.count() == 1;
+  const bool was_braced = contact.braced(k),
+             braced = node.braced && node.sticks && now.count() == 1 && group_ == nullptr;
   if (was_braced != braced) model_.changed();
   contact.touch(k, now, Vector3::Zero());
   contact.set_braced(k, braced);
@@ -389,10 +389,9 @@ springnet_status Settling::settle(std::uint32_t node) {
   Island island(std::move(nodes), std::move(response));
   std::vector<Vector3> came;  // m/s, [node of the island]
   for (const ContactNode& each : island.nodes())
-    came.push_back(each.pair < 0
-                       ? vector_at(state_.view.velocity, each.node)
-                       : first_velocity(candidates_[static_cast<std::size_t>(each.pair)].motion,
-                                        read_only(state_.view.velocity)));
+    came.push_back(each.pair < 0 ? vector_at(state_.view.velocity, each.node)
+                                 : first_velocity(candidates_[static_cast<std::size_t>(each.pair)].motion,
+                                                  read_only(state_.view.velocity)));
   const double approached = island.approach();
   bool struck = island.apply_impact(rebound_of(island), no_speed_);
   // No impulses end the approach of obstacles between which a body is caught.
@@ -401,7 +400,13 @@ springnet_status Settling::settle(std::uint32_t node) {
     for (const ContactNode& each : island.nodes())
       for (const ContactSide& side : each.sides)
         if (side.surface >= 0) surfaces.insert(side.surface);
-    return no_place(model_, node, {surfaces.begin(), surfaces.end()}, time_);
+    std::string bodies;
+    for (const ContactNode& each : island.nodes())
+      if (each.pair >= 0 && bodies.empty()) {
+        const PairTouch& touch = candidates_[static_cast<std::size_t>(each.pair)].touch;
+        bodies = "bodies, such as " + model_.constraints.bodies().describe(touch.kind, touch.pair);
+      }
+    return no_place(model_, node, {surfaces.begin(), surfaces.end()}, time_, bodies);
   }
   struck = stop_held(island, jump_) || struck;
   std::vector<std::vector<Vector3>> impulses;  // N s, [node of the island][side]
@@ -411,7 +416,7 @@ springnet_status Settling::settle(std::uint32_t node) {
       const bool rocks = chatters(island);
       const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
-      island.end_rocking(slow);
+      island.end_rocking(slow, rocks || group_ == nullptr);
       // Impulses along the normals alone turn the body; the slip left by that would go on against friction, for which
       // there may be no finite forces.
       if (rocks) stop_held(island, slow);

@@ -23,7 +23,7 @@ struct Finding {
 
 // The same about a pair of bodies.
 struct PairFinding {
-  bool touched = false, released = false, slips = false, slip_ended = false;
+  bool released = false, slips = false, slip_ended = false;
 };
 
 struct Findings {
@@ -48,6 +48,8 @@ class Settling {
   void keep_direction(std::uint32_t node);
 
  private:
+  // Uncertainty of positions in the reference, at least, in units of the length scale.
+  static constexpr double uncertain = 1e-8, shallow = 1e-7;
   [[nodiscard]] const Finding& finding(std::uint32_t node) const;
   void restore_sticking();
   [[nodiscard]] std::vector<ContactNode> gather() const;

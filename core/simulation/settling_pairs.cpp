@@ -12,13 +12,6 @@
 #include "simulation/settling.hpp"
 
 namespace springnet {
-namespace {
-
-// As of nodes on obstacles, in units of the length scale.
-constexpr double uncertain_gap = 1e-8, shallow_gap = 1e-7;
-
-}  // namespace
-
 void Settling::gather_candidates() {
   if (gathered_) return;
   gathered_ = true;
@@ -78,7 +71,7 @@ bool Settling::comes_back(const Candidate& pair, double speed) const {
     return a;
   });
   const double grows = pair.motion.normal.dot(acceleration) + pair.motion.bias;
-  return known && grows > 0.0 && speed * speed <= 2.0 * grows * uncertain_gap * model_.scales.length;
+  return known && grows > 0.0 && speed * speed <= 2.0 * grows * uncertain * model_.scales.length;
 }
 
 void Settling::add_pairs(std::vector<ContactNode>& nodes) const {
@@ -101,7 +94,7 @@ void Settling::add_pairs(std::vector<ContactNode>& nodes) const {
     const double speed = side.normal.dot(side.velocity);
     if (!pair.was) {
       if (speed > no_speed_) continue;
-      if (speed < -no_speed_ && motion.gap > -shallow_gap * model_.scales.length && comes_back(pair, speed)) continue;
+      if (speed < -no_speed_ && motion.gap > -shallow * model_.scales.length && comes_back(pair, speed)) continue;
     }
     // Integration errors along directions that the contact constrains.
     const double least = pair.was ? jump_ : no_speed_;
@@ -160,6 +153,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
   Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
     if (model_.contact.fixed()[k] == 0) response += weight * weight / model_.mass[k];
   });
+  const double mobility = response > 0.0 ? 1.0 / response : 0.0;  // kg: 0 where only fixed nodes have weight
   const auto record = [&](Event::Kind kind, const Vector3& given = Vector3::Zero()) {
     record_pair(model_, kind, time_, pair.motion, read_only(state_.view.position), came, given);
   };
@@ -172,7 +166,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     if (!side.active) {
       // It flies apart from where the two touch, so that its next touch falls through the tolerance again.
       record(Event::Kind::parted);
-      const Vector3 lift = -pair.motion.gap / response * pair.motion.normal;
+      const Vector3 lift = -pair.motion.gap * mobility * pair.motion.normal;
       Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
         if (model_.contact.fixed()[k] == 0)
           put_vector(state_.view.position, k, vector_at(state_.view.position, k) + weight / model_.mass[k] * lift);
@@ -185,15 +179,17 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     model_.changed();
     const double speed = pair.motion.normal.dot(pair.motion.velocity);
     // An integration error would make it touch again.
-    if (!side.separating && std::abs(speed) <= jump_) apply_impulse(pair, -speed / response * pair.motion.normal);
+    if (!side.separating && std::abs(speed) <= jump_) apply_impulse(pair, -speed * mobility * pair.motion.normal);
     return;
   }
   PairTouch& touch = pair.touch;
   const bool had_slip = pair.was && !touch.sticks && !pair.found.slip_ended;
+  const bool known = touch.sticks || !touch.slip.isZero(0.0);  // not of pairs that steps left behind
   if (pair.was && pair.found.slip_ended) record(Event::Kind::stuck);
-  if (pair.was && node.sticks == had_slip && coefficient_of(side.friction) > 0.0)
+  if (pair.was && known && node.sticks == had_slip && coefficient_of(side.friction) > 0.0)
     record(node.sticks ? Event::Kind::stuck : Event::Kind::slipped);
   if (node.sticks != touch.sticks || pair.found.slip_ended || pair.found.slips) model_.changed();
+  const Contact::Slip phase = touch.phase;
   const bool slid = pair.was && !touch.sticks;
   touch.sticks = node.sticks;
   if (node.sticks) return;
@@ -205,6 +201,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     touch.slip = slip.isZero(0.0) ? node.slip : Vector3(slip.normalized());
     touch.phase = Contact::Slip::ongoing;
   }
+  if (touch.phase != phase) model_.changed();  // other events end it
 }
 
 void Settling::find_phase_of_pair(const ContactNode& node, const Vector3& acceleration, double negligible) {
@@ -215,6 +212,7 @@ void Settling::find_phase_of_pair(const ContactNode& node, const Vector3& accele
   const double speed = slip.norm(), rest = model_.contact.rest_speed();
   if ((speed > rest && !node.slip_starting) || speed == 0.0) return;
   const double grows = slip.dot(acceleration);
+  const Contact::Slip phase = touch.phase;
   if (grows < -negligible * speed) {
     touch.slip = slip / speed;
     touch.phase = Contact::Slip::ending;
@@ -222,6 +220,7 @@ void Settling::find_phase_of_pair(const ContactNode& node, const Vector3& accele
     touch.slip = slip / speed;
     touch.phase = Contact::Slip::starting;
   }
+  if (touch.phase != phase) model_.changed();
 }
 
 void Settling::put_pairs() {

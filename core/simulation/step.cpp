@@ -34,7 +34,10 @@ namespace springnet {
 
 springnet_status Engine::begin_step(double from, double until) {
   model_.step_length = until - from;
-  model_.constraints.bodies().set_located(false);
+  if (model_.constraints.bodies().located()) {
+    model_.constraints.bodies().set_located(false);
+    ++model_.revision;  // without their events
+  }
   model_.interval = until > from ? Interval{from, until} : Interval{};
   const Loads::Change loads = model_.loads.set_interval(from, until);
   if (loads != Loads::Change::none) {
@@ -168,7 +171,8 @@ springnet_status Engine::commit(double time, State& state) {
   if (status == SPRINGNET_OK && jumps) status = commit_jumps(from, false);
   if (status != SPRINGNET_OK) return status;
   committed_events_ = model_.journal.events().size();
-  if (model_.constraints.bodies().located()) status = note_body_forces();
+  if (model_.constraints.bodies().located())
+    if (status = note_body_forces(); status != SPRINGNET_OK) return status;
   const profile::Stage stage("topology");
   status = topology_.perform_due_ruptures();
   topology_.perform_due_cuts();
@@ -210,7 +214,14 @@ springnet_status Engine::note_body_forces() {
   const springnet_status status = reactions.bodies(bodies);
   if (bodies == nullptr) return status;
   std::vector<PairTouch>& touching = model_.constraints.bodies().touching();
-  for (std::size_t i = 0; i < touching.size(); ++i) touching[i].force = touching[i].guess = bodies->pairs()[i].force;
+  for (std::size_t i = 0; i < touching.size(); ++i) {
+    PairTouch& touch = touching[i];
+    const BodyMotion::OfPair& pair = bodies->pairs()[i];
+    touch.force = touch.guess = pair.force;
+    const Vector3 slip = pair.motion.slip();
+    if (!touch.sticks && touch.phase == Contact::Slip::ongoing && slip.norm() > 2.0 * model_.contact.rest_speed())
+      touch.slip = slip.normalized();
+  }
   return status;
 }
 

@@ -295,6 +295,7 @@ void Linearisation::diagonal_blocks(double velocity_weight, double position_weig
   }
   for (const Drag& drag : drags_)
     for_each_dragged(drag, [&](std::uint32_t k, double weight) {
+      if (!vectors) return;
       const Vector3& e = drag.row.direction;
       Eigen::Map<Block>(out + 9 * std::size_t{k}) +=
           velocity_weight * drag.damping * weight * weight * block(by_force_, k) * e * e.transpose();
@@ -432,9 +433,10 @@ springnet_status Linearisation::factorise(double velocity_weight, double positio
   }
   set_vectors(velocity_weight, position_weight);
   if (vectors_.is_singular(plain_solver())) {
-    set_message(message,
-                "the linear system of the step is singular: the stiffness of the enclosed volumes cancels that of the "
-                "rest of the network and its inertia; reduce their overpressure");
+    set_message(
+        message,
+        "the linear system of the step is singular: the stiffness of the enclosed volumes, or friction of "
+        "bodies in contact, cancels that of the rest of the network and its inertia; reduce their overpressure");
     return SPRINGNET_RECOVERABLE;
   }
   return SPRINGNET_OK;
