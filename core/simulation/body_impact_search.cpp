@@ -194,9 +194,8 @@ springnet_status BodyImpactSearch::find(double& time) {
   Instant start, end, then;
   if (!evaluate(search_.step_from, start) || !evaluate(search_.step_until, end)) return status_;
   const std::optional<double> inside = first_deep(start, end);
-  // What approaches behind its surface where the step ends has touched, too, however little.
-  const bool ends = !inside && search_.until >= search_.step_until;
-  if ((!inside && !ends) || !evaluate(inside.value_or(search_.step_until), then)) return status_;
+  // What approaches behind its surface where the searched part ends has touched, too, however little: it falls on.
+  if (!evaluate(inside.value_or(search_.until), then)) return status_;
   const auto margin = [&](proximity::PairKind kind, proximity::Pair pair) {
     return inside ? uncertainty(kind, pair) : 0.0;
   };

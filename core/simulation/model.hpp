@@ -50,11 +50,12 @@ struct Model {
   Contact& contact;               // of the constraints: contacts, which events change,
   const RigidConnections& rigid;  // and rigid connections
   Scales scales;
-  State state;         // committed
-  double time = 0.0;   // s, of `state`
-  double time_step;    // s, the user's
-  Interval interval;   // present step
-  double step_length;  // s, of a method that takes the user's steps; 0: it chooses its own
+  State state;                        // committed
+  double time = 0.0;                  // s, of `state`
+  double time_step;                   // s, the user's
+  Interval interval;                  // present step
+  double step_length;                 // s, of a method that takes the user's steps; 0: it chooses its own
+  double position_uncertainty = 0.0;  // m, between the ends of a step, of a method that locates events
   Journal journal;
   Deadline deadline;  // of the present step
   RecentTouches recent_touches;

@@ -317,20 +317,23 @@ double Settling::fall_in_step(Island& island) {
   return steps_of_fall * model_.step_length * falls;
 }
 
-double Settling::fall_to_touch(Island& island) {
+double Settling::uncertainty() const noexcept { return std::max(depth_, model_.position_uncertainty); }
+
+double Settling::fall_through(Island& island, double depth) {
   if (accelerate(island) != SPRINGNET_OK) return 0.0;
   double falls = 0.0;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
       falls = std::max(falls, side.target_acceleration - side.normal.dot(node.acceleration));
-  return times_of_fall * std::sqrt(2.0 * falls * depth_);
+  return times_of_fall * std::sqrt(2.0 * falls * depth);
 }
 
 double Settling::rebound_of(Island& island) {
   const double least = min_rebound * model_.scales.velocity;
   for (const ContactNode& node : island.nodes())
     for (const ContactSide& side : node.sides)
-      if (side.restitution > 0.0) return std::max(least, fall_in_step(island));
+      if (side.restitution > 0.0)
+        return std::max({least, fall_in_step(island), group_ == nullptr ? 0.0 : fall_through(island, uncertainty())});
   return least;
 }
 
@@ -414,7 +417,7 @@ springnet_status Settling::settle(std::uint32_t node) {
   for (int jams = 0;; ++jams) {
     if (struck) {
       const bool rocks = chatters(island);
-      const double slow = std::max({fall_to_touch(island), rocks ? slow_rocking * model_.scales.velocity : 0.0,
+      const double slow = std::max({fall_through(island, depth_), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
       island.end_rocking(slow, rocks || group_ == nullptr);
       // Impulses along the normals alone turn the body; the slip left by that would go on against friction, for which

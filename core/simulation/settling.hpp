@@ -64,8 +64,10 @@ class Settling {
   // Speed that nodes gain towards obstacles in a few of the user's steps, m/s; 0 if the integrator chooses its own
   // steps.
   [[nodiscard]] double fall_in_step(Island& island);
-  // Speed that nodes gain in a fall through the contact tolerance, m/s; slower motions are not resolved.
-  [[nodiscard]] double fall_to_touch(Island& island);
+  // Twice the speed that nodes gain in a fall of this depth (m), m/s; slower motions are not resolved where this is the
+  // contact tolerance or, of bodies, whose touches only positions tell, the uncertainty of these.
+  [[nodiscard]] double fall_through(Island& island, double depth);
+  [[nodiscard]] double uncertainty() const noexcept;  // m
   // Approach speed above which nodes rebound, m/s.
   [[nodiscard]] double rebound_of(Island& island);
   bool stop_held(Island& island, double slow) const;

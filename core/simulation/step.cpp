@@ -114,6 +114,7 @@ springnet_status Engine::time_of_impact(springnet_impact_search& search) {
     explicit Guard(bool& of) : flag(of) { flag = true; }
     ~Guard() { flag = false; }
   } const guard(model_.in_callback);  // state_at must not change the model during the search
+  model_.position_uncertainty = search.depth;
   const springnet_status status = ImpactSearch(model_, contact_events_.sources(), search).find(search.time);
   if (status != SPRINGNET_OK || !model_.constraints.bodies().located()) return status;
   double meeting = 0.0;
