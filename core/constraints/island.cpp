@@ -228,6 +228,10 @@ Island::Violation Island::find_violation(double negligible) const {
       const ContactSide& side = node.sides[s];
       if (side.active) {
         if (!side.pinned && node.normal_force[s] < -negligible) return {Violation::Kind::pulling, i, s};
+        // Of pairs with nearly the same normal, such as a face and the one before it beside whose border a node is now,
+        // least squares hold all a little: those that others move apart are none.
+        if (node.pair >= 0 && side.normal.dot(a) - side.target_acceleration > 10.0 * negligible * mobility)
+          return {Violation::Kind::pulling, i, s};
         limit += friction_limit(coefficient_of(side.friction), std::max(0.0, node.normal_force[s]));
         if (first == nullptr) first = &side;
       } else if (!side.separating && side.normal.dot(a) - side.target_acceleration < -negligible * mobility) {

@@ -44,7 +44,7 @@ Table events() {
             "",
             "springs and elements that were `cut` or `ruptured`; nodes that `touched` a surface or were "
             "`released` from it, that `slipped` against friction or `stuck` again, that `jammed` (with friction, no "
-            "finite force keeps the node out of the surface: an impulse stops it); bodies that `met` or `parted`",
+            "finite force keeps the node out of the surface: an impulse stops it); bodies that `met` or `parted`, in `cvode` also that `slipped` or `stuck`",
             Columns::Cell::text},
            {{"element"}, "", "what it happened to: `spring`, `element`, `node`", Columns::Cell::text},
            {{"index"}, "", "its number", Columns::Cell::count},
@@ -64,7 +64,7 @@ Table events() {
             "likewise the tension, N, or the generalised force of the element: N m, N/m, Pa; `nan` for a node"},
            {{"pair"},
             "",
-            "of bodies that met or parted, the nodes of both: `3; 8 9 12` is node 3 and a face, `3 4; 8 9` two edges",
+            "of events of bodies the nodes of both: `3; 8 9 12` is node 3 and a face, `3 4; 8 9` two edges",
             Columns::Cell::text}},
       .wanted = [](const Network&, const OutputOptions&) { return true; },
       .leave_out_hint = "",

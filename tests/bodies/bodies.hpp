@@ -20,6 +20,7 @@ namespace springnet::testing {
 
 inline const Friction frictionless{Friction::Kind::none, 0.0};
 inline const LawUse verlet{"verlet", {}};
+inline LawUse reference(double tolerance = 1e-10) { return {"cvode", {{"relative_tolerance", tolerance}}}; }
 inline const Vector3 at_rest = Vector3::Zero();
 
 // A body of one node, a ball.
