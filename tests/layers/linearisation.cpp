@@ -91,3 +91,63 @@ TEST_CASE("the Jacobian is the derivative of the forces, and its systems are sol
         CHECK(blocks[9 * k + 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(c)] ==
               doctest::Approx(dense(r * n + k, c * n + k)).epsilon(1e-12));
 }
+
+TEST_CASE("a drag between nodes that are no neighbours is in products, systems, transposed ones and blocks") {
+  const Network net = random_network(12, 3, 5);
+  EvaluatorFixture fixture(net);
+  const std::uint32_t n = fixture.layout.node_count();
+  std::vector<std::uint8_t> constrained(n, 0);
+  constrained[4] = 1;
+  layers::Linearisation linearisation(fixture.layout, *fixture.evaluator, constrained);
+  springnet_message message{};
+  const auto size = static_cast<Eigen::Index>(3 * n);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(size);
+  const auto by_velocity = [&] {
+    Eigen::MatrixXd result(size, size);
+    for (Eigen::Index j = 0; j < size; ++j)
+      linearisation.times(zero.data(), Eigen::VectorXd(Eigen::VectorXd::Unit(size, j)).data(), result.col(j).data());
+    return result;
+  };
+  REQUIRE(linearisation.update(0.0, fixture.nodes(), fixture.external, message) == SPRINGNET_OK);
+  const Eigen::MatrixXd without = by_velocity();
+  ConstraintRow row{0, 4, Vector3(0.6, 0.0, 0.8)};
+  row.third = 7;
+  row.fourth = 9;
+  row.weights = {1.0, -0.2, -0.5, -0.3};
+  const double damping = 3.0;
+  linearisation.add_drag(row, damping);
+  const Eigen::MatrixXd with = by_velocity();
+  // On each node -damping w (sum of w v) along the direction, over its mass.
+  Eigen::VectorXd gradient = zero, answer = zero;
+  row.for_each_end([&](std::size_t, std::uint32_t k, double weight) {
+    if (constrained[k] != 0) return;
+    const Matrix3 mobility = linearisation.by_force(k);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      gradient[c * n + k] = weight * row.direction[c];
+      answer[c * n + k] = weight * (mobility * row.direction)[c];
+    }
+  });
+  CHECK((with - without + damping * answer * gradient.transpose()).norm() <= 1e-12 * with.norm());
+
+  const double wv = 0.07, wp = 0.0049;
+  Eigen::MatrixXd by_p(size, size);
+  for (Eigen::Index j = 0; j < size; ++j)
+    linearisation.times(Eigen::VectorXd(Eigen::VectorXd::Unit(size, j)).data(), zero.data(), by_p.col(j).data());
+  const Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(size, size) - wv * with - wp * by_p;
+  REQUIRE(linearisation.factorise(wv, wp, {}, message) == SPRINGNET_OK);
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
+  Eigen::VectorXd x(size), by_position(size), by_velocities(size);
+  for (const bool transposed : {false, true}) {
+    REQUIRE(linearisation.solve(transposed, right.data(), x.data(), message) == SPRINGNET_OK);
+    CHECK(((transposed ? Eigen::MatrixXd(dense.transpose()) : dense) * x - right).norm() <= 1e-11 * right.norm());
+  }
+  linearisation.transposed_times(right.data(), by_position.data(), by_velocities.data());
+  CHECK((by_velocities - with.transpose() * right).norm() <= 1e-12 * by_velocities.norm());
+  std::vector<double> blocks(9 * std::size_t{n});
+  linearisation.diagonal_blocks(wv, wp, blocks.data());
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c)
+        CHECK(blocks[9 * k + 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(c)] ==
+              doctest::Approx(dense(r * n + k, c * n + k)).epsilon(1e-12));
+}
