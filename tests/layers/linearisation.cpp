@@ -121,7 +121,7 @@ TEST_CASE("a drag between nodes that are no neighbours is in products, systems, 
   Eigen::VectorXd gradient = zero, answer = zero;
   row.for_each_end([&](std::size_t, std::uint32_t k, double weight) {
     if (constrained[k] != 0) return;
-    const Matrix3 mobility = linearisation.by_force(k);
+    const Eigen::Matrix3d mobility = linearisation.by_force(k);
     for (Eigen::Index c = 0; c < 3; ++c) {
       gradient[c * n + k] = weight * row.direction[c];
       answer[c * n + k] = weight * (mobility * row.direction)[c];
