@@ -174,7 +174,7 @@ TEST_CASE("the reference: the network comes to the same motion as its steps beco
     CHECK(count_events(s).met >= 3);
     return Eigen::Matrix3Xd(s.positions());
   };
-  const Eigen::Matrix3Xd exact = after(reference(1e-9), 0.01);
+  const Eigen::Matrix3Xd exact = after(reference(1e-7), 0.01);
   double last = 4e-3;
   for (const double h : {2e-3, 5e-4}) {
     const Eigen::Matrix3Xd now = after({"recurrent", {{"theta", 1.0}, {"force_tolerance", 1e-10}}}, h);
