@@ -15,8 +15,8 @@
 #include "constraints/body_contacts.hpp"
 #include "constraints/body_pushes.hpp"
 #include "constraints/constraint_system.hpp"
-#include "constraints/pair_motion.hpp"
 #include "constraints/contact.hpp"
+#include "constraints/pair_motion.hpp"
 #include "constraints/rigid.hpp"
 #include "layers/linear/projection.hpp"
 

@@ -72,9 +72,7 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
   };
   ConstraintSystem system;
   const auto change = [](const springnet_vectors& values) {
-    return [&values](std::uint32_t node, const Vector3& by) {
-      put_vector(values, node, vector_at(values, node) + by);
-    };
+    return [&values](std::uint32_t node, const Vector3& by) { put_vector(values, node, vector_at(values, node) + by); };
   };
   for (int i = 0; i < most_corrections; ++i) {
     const std::vector<PairMotion> pairs = pairs_at(read_only(position), read_only(velocity));

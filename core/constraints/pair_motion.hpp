@@ -3,7 +3,8 @@
 //   gap = |d| - thickness,  d = sum w_i x_i,  d gap / dt = n.u,  u = sum w_i v_i,
 //   d^2 gap / dt^2 = n.(sum w_i a_i) + bias,  bias = n'.u + n.(sum w_i' v_i)
 //
-// The closest points wander: with the edges E_j of both primitives along which they can, d.E_j = 0 at all times, so that
+// The closest points wander: with the edges E_j of both primitives along which they can, d.E_j = 0 at all times, so
+// that
 //   sum_l (E_j.E_l) t_l = -(u.E_j + d.E_j'),  d' = u + sum_l t_l E_l,
 // where t_l changes the weights of the two ends of E_l.
 #pragma once

@@ -32,8 +32,8 @@ ContactNode on_obstacles(const Model& model, const ReactionsAt& at, std::uint32_
     side.friction = bounded(contact.obstacles()[j].friction());
     side.velocity = v - Contact::velocity(placement, j, p);
     side.surface_acceleration = Contact::acceleration(placement, j, p);
-    side.target_acceleration = side.normal.dot(side.surface_acceleration) -
-                               contact.bias_acceleration(placement, j, p, side.velocity);
+    side.target_acceleration =
+        side.normal.dot(side.surface_acceleration) - contact.bias_acceleration(placement, j, p, side.velocity);
     result.sides.push_back(side);
   }
   if (!touch.slides) return result;
@@ -71,8 +71,8 @@ springnet_status BodyMotion::find(Model& model, ReactionsAt& at) {
   nodes_.clear();
   std::vector<PairMotion> motions;
   for (const PairTouch& touch : bodies.touching())
-    motions.push_back(pair_motion(bodies, touch.kind, touch.pair, at.all_positions(), at.all_velocities(),
-                                  model.node_count()));
+    motions.push_back(
+        pair_motion(bodies, touch.kind, touch.pair, at.all_positions(), at.all_velocities(), model.node_count()));
   std::map<std::uint32_t, Vector3> free;
   std::vector<std::uint32_t> all;
   for (const PairMotion& motion : motions)

@@ -1,5 +1,5 @@
-// How bodies that touch, and the obstacles under them, push each other at a state, while no pair meets, parts, sticks or
-// slips: for integrators that locate these events.
+// How bodies that touch, and the obstacles under them, push each other at a state, while no pair meets, parts, sticks
+// or slips: for integrators that locate these events.
 #pragma once
 
 #include <cstdint>

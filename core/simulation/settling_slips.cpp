@@ -50,8 +50,8 @@ void Settling::find_slips(Island& island) const {
 // Nodes that begin to slip do so along the force that held them until now.
 void Settling::begin_slips(Island& island) const {
   const auto slips = [this](const ContactNode& node) {
-    return node.sticks && (node.pair < 0 ? finding(node.node).slips
-                                         : candidates_[static_cast<std::size_t>(node.pair)].found.slips);
+    return node.sticks &&
+           (node.pair < 0 ? finding(node.node).slips : candidates_[static_cast<std::size_t>(node.pair)].found.slips);
   };
   if (std::none_of(island.nodes().begin(), island.nodes().end(), slips)) return;
   island.solve();

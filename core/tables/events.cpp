@@ -44,7 +44,8 @@ Table events() {
             "",
             "springs and elements that were `cut` or `ruptured`; nodes that `touched` a surface or were "
             "`released` from it, that `slipped` against friction or `stuck` again, that `jammed` (with friction, no "
-            "finite force keeps the node out of the surface: an impulse stops it); bodies that `met` or `parted`, in `cvode` also that `slipped` or `stuck`",
+            "finite force keeps the node out of the surface: an impulse stops it); bodies that `met` or `parted`, in "
+            "`cvode` also that `slipped` or `stuck`",
             Columns::Cell::text},
            {{"element"}, "", "what it happened to: `spring`, `element`, `node`", Columns::Cell::text},
            {{"index"}, "", "its number", Columns::Cell::count},

@@ -80,9 +80,9 @@ struct Event {
   // Of a spring its length, m, and tension, N; of an element its invariant and generalised force. nan for a node.
   double value = std::numeric_limits<double>::quiet_NaN();
   double force = std::numeric_limits<double>::quiet_NaN();
-  // Of bodies that met, parted, slipped or stuck: what of them. The first has pair_first nodes (1: a node, 2: an edge), the second
-  // those up to pair_count (one: a node, two: an edge, three: a face). `index` is the first one's first; impulse,
-  // position and velocity are those of the first, normal is the direction from the second.
+  // Of bodies that met, parted, slipped or stuck: what of them. The first has pair_first nodes (1: a node, 2: an edge),
+  // the second those up to pair_count (one: a node, two: an edge, three: a face). `index` is the first one's first;
+  // impulse, position and velocity are those of the first, normal is the direction from the second.
   std::array<std::uint32_t, 4> pair{};
   std::uint8_t pair_first = 0, pair_count = 0;
 };

@@ -47,8 +47,8 @@ class Linearisation {
   void add_bond(std::uint32_t first, std::uint32_t second, const Block& stiffness) {
     bonds_.push_back({first, second, stiffness});
   }
-  // Adds what opposes the rate of a row with this damping (N s/m) on its nodes, which need not be neighbours; call after
-  // update().
+  // Adds what opposes the rate of a row with this damping (N s/m) on its nodes, which need not be neighbours; call
+  // after update().
   void add_drag(const ConstraintRow& row, double damping) { drags_.push_back({row, damping}); }
   // Whether update() succeeded and nothing was removed since: the functions below need it.
   [[nodiscard]] bool known() const noexcept { return known_; }
