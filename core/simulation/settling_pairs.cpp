@@ -12,6 +12,7 @@
 #include "simulation/settling.hpp"
 
 namespace springnet {
+
 void Settling::gather_candidates() {
   if (gathered_) return;
   gathered_ = true;
@@ -164,7 +165,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     pair.stays = side.active;
     model_.changed();
     if (!side.active) {
-      // It flies apart from where the two touch, so that its next touch falls through the tolerance again.
+      // Put it on the surface, so that its next touch crosses the tolerance again.
       record(Event::Kind::parted);
       const Vector3 lift = -pair.motion.gap * mobility * pair.motion.normal;
       Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {

@@ -476,8 +476,8 @@ typedef struct springnet_host {
   springnet_status (*next_discontinuity)(void* context, springnet_discontinuity* discontinuity);
   /* When a node first touches a surface, or a body another one, in the searched part of the step. Also finds nodes that
    * have left again by the end, for example through a thin obstacle, which event_values at the ends does not show. The
-   * result does not depend on how a step is divided into searches. fire_events at that time, with nothing marked,
-   * carries out the touch. */
+   * result does not depend on how a step is divided into searches, except for bodies that come no deeper than `depth`.
+   * fire_events at that time, with nothing marked, carries out the touch. */
   springnet_status (*time_of_impact)(void* context, springnet_impact_search* search);
 
   springnet_status (*commit)(void* context, const springnet_commitment* commitment);
