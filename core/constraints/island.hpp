@@ -100,6 +100,10 @@ class Island {
   // infinitely often in a finite time and then rests.
   // pulls: also by impulses that pull.
   void end_rocking(double slow, bool pulls = true);
+  // Of bodies on each other: impulses of either sign that end separations whose contacts the forces of the last
+  // resolve() would close again before the gap is `depth` (m) wide. There are infinitely many in a finite time. Other
+  // rates of contacts that touch stay zero. Returns whether there was one.
+  bool end_returns(double depth);
   // Applies jamming impulses: they end slip faster than `negligible` (m/s) of the nodes for which the last resolve()
   // failed. Returns whether there was one.
   bool jam(double negligible);

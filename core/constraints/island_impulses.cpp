@@ -135,10 +135,14 @@ bool Island::end_slip(double negligible) {
     for (std::size_t s = 0; s < node.sides.size(); ++s)
       if (std::abs(node.sides[s].normal.dot(node.sides[s].velocity)) <= negligible)
         rows.push_back({i, s, node.sides[s].normal});
-    if (!node.slip_ended || node.sides.empty()) continue;
+    if (node.sides.empty()) continue;
     const std::vector<Vector3> directions = free_directions(normals_of(node));
+    const double speed = project_onto(directions, node.sides.front().velocity).norm();
+    // Nor may bodies that stick begin to slip: their slip would end with the impulse that makes others slip.
+    const bool stays = has_pairs_ && speed <= negligible && coefficient_of(node.sides.front().friction) > 0.0;
+    if (!node.slip_ended && !stays) continue;
     for (const Vector3& e : directions) rows.push_back({i, 0, e});
-    fastest = std::max(fastest, project_onto(directions, node.sides.front().velocity).norm());
+    if (node.slip_ended) fastest = std::max(fastest, speed);
   }
   if (fastest > 0.0) end_rates(rows);
   return fastest > 0.0;
@@ -205,6 +209,30 @@ void Island::end_rocking(double slow, bool pulls) {
       if (coefficient_of(side.friction) > 0.0 && side.velocity.norm() <= 1e-9 * slow) side.velocity.setZero();
     }
   }
+}
+
+bool Island::end_returns(double depth) {
+  if (!has_pairs_) return false;
+  bool any = false;
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    ContactNode& node = nodes_[i];
+    const Vector3 a = acceleration(i);
+    for (std::size_t s = 0; s < node.sides.size(); ++s) {
+      ContactSide& side = node.sides[s];
+      const double rate = side.normal.dot(side.velocity);
+      const double closes = side.target_acceleration - side.normal.dot(a);
+      const bool returns = side.separating && closes > 0.0 && rate * rate <= 2.0 * closes * depth;
+      if (side.separating && !returns) continue;
+      rows.push_back({i, s, side.normal});
+      if (!returns) continue;
+      side.active = any = true;
+    }
+    if (!node.sticks) continue;
+    for (const Vector3& e : free_directions(active_normals(node))) rows.push_back({i, 0, e});
+  }
+  if (any) end_rates(rows);
+  return any;
 }
 
 bool Island::jam(double negligible) {

@@ -240,7 +240,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
     const std::uint32_t k = source.index;
     if (fired[e] == 0 && !(source.kind == Kind::touch && is_impacting(source, *at, state, tolerance))) continue;
     if (source.pair >= 0) {
-      find_pair(source, state, findings);
+      find_pair(source, time, state, findings);
       continue;
     }
     switch (source.kind) {

@@ -84,7 +84,7 @@ class ContactEvents {
   void add_sources_of(std::uint32_t node, double tolerance, const Placement& now, AtCommitted& at);
   void add_sources_of_pairs(AtCommitted& at);
   springnet_status pair_value(const Source& source, ReactionsAt& reactions, double& value) const;
-  void find_pair(const Source& source, const State& state, Findings& findings);
+  void find_pair(const Source& source, double time, const State& state, Findings& findings);
   // Pairs of bodies that approach within the contact tolerance.
   void find_impacts(const State& state, Findings& findings);
   // Of a braced node: acceleration of its gap if it had no contact, m/s^2.

@@ -87,16 +87,20 @@ springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& re
   return SPRINGNET_OK;
 }
 
-void ContactEvents::find_pair(const Source& source, const State& state, Findings& findings) {
+void ContactEvents::find_pair(const Source& source, double time, const State& state, Findings& findings) {
   PairTouch& touch = model_.constraints.bodies().touching()[static_cast<std::size_t>(source.pair)];
   const Vector3 slip = pair_motion(model_.constraints.bodies(), touch.kind, touch.pair, read_only(state.view.position),
                                    read_only(state.view.velocity), model_.node_count())
                            .slip();
   const double rest = model_.contact.rest_speed(), speed = slip.norm();
   const auto finding = [&]() -> PairFinding& { return findings.pairs[touch.key()]; };
-  const auto go_on = [&](Contact::Slip phase) {
+  const auto go_on = [&] {
     if (speed > 0.0) touch.slip = slip / speed;
-    touch.phase = phase;
+    touch.phase = Contact::Slip::ongoing;
+    model_.changed();
+  };
+  const auto slow_down = [&] {
+    keep_direction_of_pair(model_, time, state, touch);
     model_.changed();
   };
   switch (source.kind) {
@@ -107,20 +111,20 @@ void ContactEvents::find_pair(const Source& source, const State& state, Findings
       finding().slips = true;
       break;
     case Kind::slow:
-      go_on(Contact::Slip::ending);
+      slow_down();
       break;
     case Kind::quick:
-      go_on(Contact::Slip::ongoing);
+      go_on();
       break;
     case Kind::stall:
       if (touch.slip.dot(slip) > model_.no_speed())
-        go_on(Contact::Slip::ending);
+        slow_down();
       else
         finding().slip_ended = true;
       break;
     default:  // its end, unless it turned by a right angle
       if (speed > rest && std::abs(touch.slip.dot(slip)) <= rest)
-        go_on(Contact::Slip::ongoing);
+        go_on();
       else
         finding().slip_ended = true;
       break;

@@ -1,8 +1,14 @@
 #include "simulation/pair_events.hpp"
 
+#include <limits>
 #include <set>
 
+#include <Eigen/Geometry>
+
+#include "constraints/friction.hpp"
 #include "constraints/vectors.hpp"
+#include "simulation/body_motion.hpp"
+#include "simulation/reactions_at.hpp"
 
 namespace springnet {
 namespace {
@@ -52,6 +58,31 @@ std::vector<proximity::NearPair> pairs_apart_within(Model& model, const springne
            !can_move(model, bodies.primitives().nodes_of(each.kind, each.pair), each.separation.weights);
   });
   return near;
+}
+
+void keep_direction_of_pair(Model& model, double time, const State& state, PairTouch& touching) {
+  BodyContacts& bodies = model.constraints.bodies();
+  const springnet_const_vectors position = read_only(state.view.position), velocity = read_only(state.view.velocity);
+  const PairMotion motion =
+      pair_motion(bodies, touching.kind, touching.pair, position, velocity, model.node_count());
+  const Vector3 slip = motion.slip();
+  if (slip.isZero(0.0)) return;
+  const Vector3 goes = slip.normalized();
+  touching.phase = Contact::Slip::ending;
+  touching.slip = goes;
+  const auto place = static_cast<std::size_t>(&touching - bodies.touching().data());
+  double slows = 0.0;
+  const auto found = find_direction(motion.normal, goes, [&](const Vector3& against) {
+    touching.slip = against;
+    ReactionsAt reactions(model, time, position, velocity);
+    const BodyMotion* all = nullptr;
+    if (reactions.bodies(all) != SPRINGNET_OK || all == nullptr) return std::numeric_limits<double>::quiet_NaN();
+    const Vector3& a = all->pairs()[place].acceleration;
+    slows = -goes.dot(a);
+    return motion.normal.dot(goes.cross(a));
+  });
+  // Otherwise the slip does not end, but passes by zero.
+  touching.slip = found && found->dot(goes) > 0.0 && slows > 0.0 ? *found : goes;
 }
 
 }  // namespace springnet

@@ -22,4 +22,8 @@ void record_pair(Model& model, Event::Kind kind, double time, const PairMotion& 
 [[nodiscard]] std::vector<proximity::NearPair> pairs_apart_within(Model& model, const springnet_const_vectors& position,
                                                                   double gap);
 
+// Friction of a pair that touches keeps the direction in which it ends the whole slip of this state at one time, as
+// Settling::keep_direction() has it for nodes; that of the slip itself where there is none.
+void keep_direction_of_pair(Model& model, double time, const State& state, PairTouch& touching);
+
 }  // namespace springnet

@@ -414,8 +414,9 @@ springnet_status Settling::settle(std::uint32_t node) {
   struck = stop_held(island, jump_) || struck;
   std::vector<std::vector<Vector3>> impulses;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) impulses.emplace_back(each.sides.size(), Vector3::Zero());
+  bool returned = false;
   for (int jams = 0;; ++jams) {
-    if (struck) {
+    if (struck && !returned) {
       const bool rocks = chatters(island);
       const double slow = std::max({fall_through(island, depth_), rocks ? slow_rocking * model_.scales.velocity : 0.0,
                                     rocks ? fall_in_step(island) : 0.0});
@@ -435,8 +436,14 @@ springnet_status Settling::settle(std::uint32_t node) {
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
     const double negligible = Scales::min_force * model_.scales.force + 1e-12 * forces;
-    if (island.resolve(negligible)) break;
+    const bool is_resolved = island.resolve(negligible);
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
+    returned = is_resolved && jams < max_jams && island.end_returns(times_of_fall * times_of_fall * depth_);
+    if (returned) {
+      struck = true;
+      continue;
+    }
+    if (is_resolved) break;
     struck = jams < max_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
       note_unresolved(model_, node, time_);

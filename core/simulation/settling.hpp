@@ -92,6 +92,7 @@ class Settling {
     PairTouch touch;     // as it is, or will be
     bool was = false;    // it touched before
     bool stays = false;  // it touches
+    bool ends = false;   // its slip, soon
     PairFinding found;
   };
   void gather_candidates();

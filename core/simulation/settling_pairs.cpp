@@ -217,6 +217,7 @@ void Settling::find_phase_of_pair(const ContactNode& node, const Vector3& accele
   if (grows < -negligible * speed) {
     touch.slip = slip / speed;
     touch.phase = Contact::Slip::ending;
+    pair.ends = true;
   } else if (!node.slip_starting && speed <= 0.5 * rest) {
     touch.slip = slip / speed;
     touch.phase = Contact::Slip::starting;
@@ -229,7 +230,13 @@ void Settling::put_pairs() {
   std::vector<PairTouch> touching;
   for (const Candidate& each : candidates_)
     if (each.stays) touching.push_back(each.touch);
-  model_.constraints.bodies().set_touching(std::move(touching));
+  BodyContacts& bodies = model_.constraints.bodies();
+  bodies.set_touching(std::move(touching));
+  // Directions depend on the forces of all pairs.
+  for (PairTouch& touch : bodies.touching())
+    if (std::any_of(candidates_.begin(), candidates_.end(),
+                    [&](const Candidate& each) { return each.ends && each.touch.key() == touch.key(); }))
+      keep_direction_of_pair(model_, time_, state_, touch);
 }
 
 }  // namespace springnet
