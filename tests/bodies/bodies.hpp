@@ -116,15 +116,15 @@ inline void advance(Simulation& s, int steps) {
   for (int i = 0; i < steps; ++i) s.step();
 }
 
-// Soft blocks of 27 nodes above each other, which fall onto a floor, all with friction.
-inline Network dropped_blocks(int count, double mass) {
+// Soft blocks of 27 nodes above each other, which fall onto a floor, all with this friction.
+inline Network dropped_blocks(int count, double mass, double friction = 0.5) {
   Network net;
   for (int i = 0; i < count; ++i)
     add_block(net, "block " + std::to_string(i), 3, 0.1, {0.007 * (i % 2), 0.011 * (i % 3), 0.005 + 0.23 * i}, at_rest,
               mass, 0.01, 1500.0, 1.0);
-  touch_all(net, {Friction::Kind::coulomb, 0.5});
+  touch_all(net, {Friction::Kind::coulomb, friction});
   Plane floor;
-  floor.friction = {Friction::Kind::coulomb, 0.5};
+  floor.friction = {Friction::Kind::coulomb, friction};
   net.add_plane(floor);
   net.set_gravity({0, 0, -9.81});
   return net;
