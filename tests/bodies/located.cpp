@@ -166,6 +166,29 @@ TEST_CASE("the reference: balls that meet on a floor exchange what they would wi
   }
 }
 
+TEST_CASE("the reference: a ball shot across an inclined sheet turns downhill, and stops when its equation says") {
+  // With a = g sin(angle), b = mu g cos(angle), the speed v and its angle p to the line of fall:
+  // v' = a cos p - b, (v cos p)' = a - b cos p, so that b v + a v cos p falls at the rate b^2 - a^2.
+  const double angle = 0.3, speed = 1.0;
+  for (const double mu : {0.35, 0.5, 0.9}) {
+    CAPTURE(mu);
+    Network net;
+    const Vector3 down(std::cos(angle), 0, -std::sin(angle)), up(std::sin(angle), 0, std::cos(angle));
+    add_sheet(net, "incline", 2, 8.0, {0, 0, 0}, down, Vector3::UnitY(), 0.02, 1.0, true);
+    const NodeIndex ball =
+        add_ball(net, "ball", -2.0 * down + 0.06 * up + Vector3(0, 0.5, 0), {0, speed, 0}, 0.3, 0.05);
+    touch(net, 0, 1, {Friction::Kind::coulomb, mu});
+    net.set_gravity({0, 0, -g});
+    Simulation s = simulate(net, reference(), 0.01);
+    const double a = g * std::sin(angle), b = mu * g * std::cos(angle), stops = speed * b / (b * b - a * a);
+    while (s.time() < stops + 0.1) s.step();
+    CHECK(s.velocity(ball).norm() <= 1e-12);
+    REQUIRE(count_events(s).stuck == 1);
+    // Slower than 1e-6 of the scale of speeds, friction keeps its direction.
+    CHECK(std::abs(s.events().back().time - stops) <= 5e-8);
+  }
+}
+
 TEST_CASE("the reference: a ball pushed against another one on a floor with friction, and both against a third") {
   // a is pulled with F; b and c lie in its way on the floor: all three slide with F / M - mu g.
   const double m = 0.3, f = 4.0, mu = 0.2;
