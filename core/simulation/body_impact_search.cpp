@@ -155,7 +155,7 @@ std::optional<double> BodyImpactSearch::first_deep(const Instant& from, const In
   bodies.list().update(positions(from), positions(until), std::min(apart, most_bend * bodies.list().skin()));
   std::vector<Watched> deep;
   for (const proximity::PairKind kind : proximity::pair_kinds)
-    for (const proximity::Pair& pair : bodies.list().pairs()[kind]) {
+    for (const proximity::Pair& pair : bodies.list().close(0.0)[kind]) {
       if (!is_watched(kind, pair)) continue;
       deep.push_back({kind, pair, depth_of(kind, pair) + uncertainty(kind, pair)});
       // What was missed touches as soon as it is found.
@@ -200,8 +200,10 @@ springnet_status BodyImpactSearch::find(double& time) {
     return inside ? uncertainty(kind, pair) : 0.0;
   };
   std::vector<Watched> entered;
+  proximity::NeighbourList& list = model_.constraints.bodies().list();
+  list.update(positions(then));
   for (const proximity::PairKind kind : proximity::pair_kinds)
-    for (const proximity::Pair& pair : model_.constraints.bodies().list().pairs()[kind]) {
+    for (const proximity::Pair& pair : list.close(0.0)[kind]) {
       const Watched each{kind, pair, depth_of(kind, pair)};
       if (is_watched(kind, pair) && is_inside(then, {kind, pair, each.depth + margin(kind, pair)}) &&
           (inside || (!is_inside(start, each) && approaches(then, each))))

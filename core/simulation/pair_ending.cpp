@@ -42,9 +42,12 @@ ClusterResponses clusters_of(const Model& model, const PairEnding& step, const s
 
 }  // namespace
 
-PairTolerances::PairTolerances(const Model& model)
-    : gap(std::max(gap_tolerance * model.constraints.bodies().least_thickness(), model.contact_tolerance())),
-      accuracy(std::max(accuracy_share * gap, 0.1 * model.contact_tolerance())) {}
+// The tolerance of contact looks at all nodes.
+PairTolerances::PairTolerances(const Model& model) : PairTolerances(model, model.contact_tolerance()) {}
+
+PairTolerances::PairTolerances(const Model& model, double contact_tolerance)
+    : gap(std::max(gap_tolerance * model.constraints.bodies().least_thickness(), contact_tolerance)),
+      accuracy(std::max(accuracy_share * gap, 0.1 * contact_tolerance)) {}
 
 std::vector<double> pair_mobility(const Model& model) {
   std::vector<double> result(model.node_count());
@@ -88,7 +91,9 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   const proximity::Primitives& all = bodies.primitives();
   const proximity::Positions end = positions_of(read_only(nodes.position), model.node_count());
   std::vector<proximity::NearPair> near;
-  proximity::find_near(all, bodies.list().pairs(), end, 2.0 * tolerance.gap, near, model.evaluator.threads());
+  bodies.list().update(end);
+  proximity::find_near(all, bodies.list().close(2.0 * tolerance.gap), end, 2.0 * tolerance.gap, near,
+                       model.evaluator.threads());
   const ClusterResponses clusters = clusters_of(model, step, near);
   if (clusters.any()) nodes.clusters = &clusters;
   std::vector<PairRow> rows;

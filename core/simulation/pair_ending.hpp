@@ -16,6 +16,9 @@ namespace springnet {
 struct PairTolerances {
   explicit PairTolerances(const Model& model);
   double gap, accuracy;
+
+ private:
+  PairTolerances(const Model& model, double contact_tolerance);
 };
 
 // Iterations after which the tolerance of gaps is enough, and after which there are no more.

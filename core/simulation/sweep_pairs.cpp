@@ -173,10 +173,10 @@ bool SweepPairs::find(const springnet_sweep& sweep) {
   const auto at_start = [&](proximity::PairKind kind, proximity::Pair pair) {
     return separation(kind, all.corners(kind, pair, start));
   };
-  proximity::find_meetings(all, bodies.list().pairs(), start, end, met_, threads);
+  proximity::find_meetings(all, bodies.list().close(0.0), start, end, met_, threads);
   for (const proximity::MeetingPair& each : met_)
     add(sweep, each.kind, each.pair, each.meeting.from_start ? at_start(each.kind, each.pair) : each.meeting.at);
-  proximity::find_near(all, bodies.list().pairs(), end, 0.0, near_, threads);
+  proximity::find_near(all, bodies.list().close(0.0), end, 0.0, near_, threads);
   for (const proximity::NearPair& each : near_) add(sweep, each.kind, each.pair, at_start(each.kind, each.pair));
   return rows_.size() > before;
 }

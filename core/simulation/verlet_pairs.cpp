@@ -63,13 +63,7 @@ std::optional<proximity::Meeting> refine(proximity::PairKind kind, const std::ar
 }  // namespace
 
 VerletPairs::VerletPairs(Model& model, double until, double length)
-    : model_(model),
-      from_(model.time),
-      until_(until),
-      h_(length),
-      tolerance_(PairTolerances(model).gap),
-      accuracy_(PairTolerances(model).accuracy),
-      mobility_(pair_mobility(model)) {}
+    : model_(model), from_(model.time), until_(until), h_(length), tolerance_(model), mobility_(pair_mobility(model)) {}
 
 void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair,
                       const proximity::Separation& at, double share, bool is_new) {
@@ -90,7 +84,7 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
     row.lever = std::max(least_lever, 1.0 - share) * h_;
     contact.is_impact = true;
     // A rebound slower than the fall within the step ends in contact, and so do many after each other.
-    contact.bounces = rounds_ < max_bounce_rounds && restitution * came > std::max(falls, tolerance_ / h_);
+    contact.bounces = rounds_ < max_bounce_rounds && restitution * came > std::max(falls, tolerance_.gap / h_);
     if (contact.bounces) row.value = -restitution * came;
   }
   rows_.push_back(row);
@@ -156,8 +150,8 @@ bool VerletPairs::find(const springnet_sweep& step) {
   }
   const proximity::Primitives& all = bodies.primitives();
   const unsigned threads = model_.evaluator.threads();
-  proximity::find_near(all, bodies.list().pairs(), end, 0.0, near_, threads);
-  proximity::find_meetings(all, bodies.list().pairs(), start, end, met_, threads);
+  proximity::find_near(all, bodies.list().close(0.0), end, 0.0, near_, threads);
+  proximity::find_meetings(all, bodies.list().close(0.0), start, end, met_, threads);
   if (near_.empty() && met_.empty() && bodies.touching().empty()) return false;
   if (gained_.values.empty()) {
     gained_.values.resize(3 * n);
@@ -183,7 +177,7 @@ bool VerletPairs::find(const springnet_sweep& step) {
   add_met(step, start, end);
   // What begins so near that it counts as touching.
   for (const proximity::NearPair& each : near_) {
-    if (each.gap >= -tolerance_ || known_.contains(std::pair(each.kind, each.pair))) continue;
+    if (each.gap >= -tolerance_.gap || known_.contains(std::pair(each.kind, each.pair))) continue;
     const std::array<Vector3, 4> from = all.corners(each.kind, each.pair, start);
     const auto meeting = refine(each.kind, from, all.corners(each.kind, each.pair, end),
                                 all.thickness(each.kind, each.pair), {0.0, separation(each.kind, from)});
@@ -245,21 +239,22 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
       const double now = gap(r, step.next_position);
       // Its path is curved. Where little of the step is left that is little, too, and left to the next one.
       const bool may_close = !contacts_[r].bounces && row.lever >= 0.5 * h_;
-      if (row.by_rate && round > 0 && may_close && now < -tolerance_) row.by_rate = false;
+      if (row.by_rate && round > 0 && may_close && now < -tolerance_.gap) row.by_rate = false;
       if (row.by_rate) {
         done = done && round > 0;
         continue;
       }
       row.value = now - row.normal.dot(relative(row, step.next_position));
       const bool pushes = row.normal.dot(row.impulse) > (1.0 + 1e-12) * row.least;
-      done = done && (pushes ? std::abs(now) <= tolerance_ : now >= -tolerance_);
+      done = done && (pushes ? std::abs(now) <= tolerance_.gap : now >= -tolerance_.gap);
     }
     // Friction has no say in gaps: it needs an iteration of its own.
     if (done && round > 0) {
       finish_impacts(step);
       if (!find(step)) return SPRINGNET_OK;
     }
-    if (solve(rows_, nodes, h_, {accuracy_, tolerance_, pair_patience, most_pair_iterations}).residual > tolerance_)
+    if (solve(rows_, nodes, h_, {tolerance_.accuracy, tolerance_.gap, pair_patience, most_pair_iterations}).residual >
+        tolerance_.gap)
       return fail();
   }
   return fail();
@@ -365,7 +360,7 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
       changed = std::max(changed, h_ * (push.velocity - last).norm());
     }
     // Iterations are no more accurate than that; impulses of redundant pairs differ more, which moves nothing.
-    if (round > 0 && changed <= (round < 10 ? 1.0 : 10.0) * tolerance_) return SPRINGNET_OK;
+    if (round > 0 && changed <= (round < 10 ? 1.0 : 10.0) * tolerance_.gap) return SPRINGNET_OK;
     before = given;
     put_back(position, step.next_position);
     put_back(velocity, step.next_velocity);

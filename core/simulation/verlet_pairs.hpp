@@ -17,6 +17,7 @@
 
 #include "constraints/pair_rows.hpp"
 #include "simulation/model.hpp"
+#include "simulation/pair_ending.hpp"
 #include "simulation/verlet_contact.hpp"
 
 namespace springnet {
@@ -66,8 +67,7 @@ class VerletPairs {
   Model& model_;
   double from_, until_, h_;  // s
   bool kicked_ = false;
-  double tolerance_;              // m
-  double accuracy_;               // m, of iterations
+  PairTolerances tolerance_;
   std::vector<double> mobility_;  // [node] 1/kg
   std::vector<PairRow> rows_;
   std::vector<Contact> contacts_;  // [row]
