@@ -139,7 +139,9 @@ bool Island::end_slip(double negligible) {
     const std::vector<Vector3> directions = free_directions(normals_of(node));
     const double speed = project_onto(directions, node.sides.front().velocity).norm();
     // Nor may bodies that stick begin to slip: their slip would end with the impulse that makes others slip.
-    const bool stays = has_pairs_ && speed <= negligible && coefficient_of(node.sides.front().friction) > 0.0;
+    const ContactSide& front = node.sides.front();
+    const bool stays = has_pairs_ && speed <= negligible && coefficient_of(front.friction) > 0.0 &&
+                       std::abs(front.normal.dot(front.velocity)) <= negligible;
     if (!node.slip_ended && !stays) continue;
     for (const Vector3& e : directions) rows.push_back({i, 0, e});
     if (node.slip_ended) fastest = std::max(fastest, speed);
@@ -213,26 +215,37 @@ void Island::end_rocking(double slow, bool pulls) {
 
 bool Island::end_returns(double depth) {
   if (!has_pairs_) return false;
-  bool any = false;
-  std::vector<Row> rows;
+  std::vector<Row> rows, returning;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     ContactNode& node = nodes_[i];
     const Vector3 a = acceleration(i);
     for (std::size_t s = 0; s < node.sides.size(); ++s) {
-      ContactSide& side = node.sides[s];
+      const ContactSide& side = node.sides[s];
       const double rate = side.normal.dot(side.velocity);
       const double closes = side.target_acceleration - side.normal.dot(a);
-      const bool returns = side.separating && closes > 0.0 && rate * rate <= 2.0 * closes * depth;
-      if (side.separating && !returns) continue;
-      rows.push_back({i, s, side.normal});
-      if (!returns) continue;
-      side.active = any = true;
+      if (side.separating && closes > 0.0 && rate * rate <= 2.0 * closes * depth)
+        returning.push_back({i, s, side.normal});
+      else if (!side.separating && (side.active || closes > 0.0))
+        rows.push_back({i, s, side.normal});
     }
-    if (!node.sticks) continue;
-    for (const Vector3& e : free_directions(active_normals(node))) rows.push_back({i, 0, e});
+    const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& side) { return side.active; });
+    if (!node.sticks || first == node.sides.end()) continue;
+    const auto place = static_cast<std::size_t>(first - node.sides.begin());
+    for (const Vector3& e : free_directions(active_normals(node))) rows.push_back({i, place, e});
   }
-  if (any) end_rates(rows);
-  return any;
+  if (returning.empty()) return false;
+  const auto fastest = [&] {
+    double result = 0.0;
+    for (const Row& row : returning)
+      result = std::max(result, row.direction.dot(nodes_[row.node].sides[row.side].velocity));
+    return result;
+  };
+  const double before = fastest();
+  for (const Row& row : returning) nodes_[row.node].sides[row.side].active = true;
+  rows.insert(rows.end(), returning.begin(), returning.end());
+  end_rates(rows);
+  // Of masses that differ too much the impulses are lost in rounding.
+  return fastest() <= 0.5 * before;
 }
 
 bool Island::jam(double negligible) {

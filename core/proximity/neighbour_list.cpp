@@ -17,6 +17,8 @@ namespace {
 // Of the skin, for the rounding of displacements, and of distances in the search.
 constexpr double usable_skin = 1.0 - 1e-6;
 
+constexpr double long_step = 0.2;  // of the skin
+
 // The least and the greatest of many numbers, in lanes that a processor compares at once.
 class Spread {
  public:
@@ -151,6 +153,8 @@ void NeighbourList::note_motion(const Positions& start, const Positions& end) {
 }
 
 const PairLists& NeighbourList::close(double gap) {
+  // A long step would look at most pairs here, and then again.
+  if (step_ + gap > long_step * skin_) return pairs_;
   if (gap <= close_within_) return close_;
   const Positions start{{start_[0].data(), start_[1].data(), start_[2].data()}, start_[0].size()};
   // Rounding of displacements.

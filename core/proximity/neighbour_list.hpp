@@ -41,12 +41,17 @@ class NeighbourList {
 
   // In canonical order; they depend on the positions of the last search.
   [[nodiscard]] const PairLists& pairs() const noexcept { return pairs_; }
-  // In the same order, those of pairs() whose gap may be `gap` (m) or less at some time between the positions of the
-  // last update. Pairs far apart are looked at only when their nodes have moved by what they were apart.
+  // In the same order, those of pairs() whose gap may be `gap` (m, >= 0) or less at some time between the positions of
+  // the last update. Pairs far apart are looked at only when their nodes have moved by what they were apart.
   [[nodiscard]] const PairLists& close(double gap);
   [[nodiscard]] std::size_t searches() const noexcept { return searches_; }
 
  private:
+  // m: a bound of how far any two nodes have moved relative to each other since the search. Infinite if a coordinate is
+  // not finite.
+  [[nodiscard]] double relative_motion(const Positions& x) const;
+  void note_motion(const Positions& start, const Positions& end);
+
   Primitives primitives_;
   double skin_;  // m
   PairSearch search_;
@@ -55,18 +60,13 @@ class NeighbourList {
   std::size_t searches_ = 0;
   std::array<std::vector<double>, 3> reference_;  // m, [primitives_.nodes()]: positions for which the search was
 
-  // m: a bound of how far any two nodes have moved relative to each other since the search. Infinite if a coordinate is
-  // not finite.
-  [[nodiscard]] double relative_motion(const Positions& x) const;
-  void note_motion(const Positions& start, const Positions& end);
-
   PairSchedule schedule_;
   PairLists close_;
   double close_within_ = 0.0;  // m, gap of the present close_; less than 0: none
   // m, bounds of relative motions: between the starts of the last two updates or more, within the last one, and from
   // the search to its start.
   double moved_ = 0.0, step_ = 0.0, from_search_ = 0.0;
-  std::array<std::vector<double>, 3> start_;  // m, [primitives_.nodes()], of the last update
+  std::array<std::vector<double>, 3> start_;  // m, [node], of the last update
 };
 
 }  // namespace springnet::proximity

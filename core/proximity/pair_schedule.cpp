@@ -18,6 +18,7 @@ constexpr double slots_in_skin = 128.0;
 
 void PairSchedule::reset(const PairLists& pairs, double skin) {
   width_ = skin / slots_in_skin;
+  far_ = 0.25 * skin;
   path_ = 0.0;
   first_ = 0;
   due_.assign(pairs.size(), 0.0);
@@ -43,6 +44,7 @@ void PairSchedule::put(std::uint32_t item) {
 
 void PairSchedule::find_close(const Primitives& primitives, const PairLists& pairs, const Positions& x, double moved,
                               double reach, PairLists& close) {
+  reach = std::max(0.0, reach);
   path_ += moved;
   const std::array<std::size_t, 3> begins{0, pairs.of_kind[0].size(),
                                           pairs.of_kind[0].size() + pairs.of_kind[1].size()};
@@ -59,8 +61,10 @@ void PairSchedule::find_close(const Primitives& primitives, const PairLists& pai
       const std::size_t k = item < begins[1] ? 0 : item < begins[2] ? 1 : 2;
       const PairKind kind = pair_kinds[k];
       const Pair pair = pairs.of_kind[k][item - begins[k]];
-      const double gap =
-          separation(kind, primitives.corners(kind, pair, x)).distance - primitives.thickness(kind, pair);
+      const std::array<Vector3, 4> corners = primitives.corners(kind, pair, x);
+      const double thickness = primitives.thickness(kind, pair);
+      const bool is_far = reach < far_ && is_surely_beyond(kind, corners, thickness + far_);
+      const double gap = is_far ? far_ : separation(kind, corners).distance - thickness;
       due_[item] = path_ + gap;
       if (!(gap > reach)) close_.push_back(item);
     }

@@ -15,8 +15,8 @@ class PairSchedule {
   // All pairs of the lists are due. skin: m, > 0: gaps that the lists cover.
   void reset(const PairLists& pairs, double skin);
 
-  // In canonical order, the pairs of the lists whose gap at `x` is at most `reach` (m). moved: m, a bound of how far
-  // any two nodes have moved relative to each other, on their way here, since the last call.
+  // In canonical order, the pairs of the lists whose gap at `x` is at most `reach` (m, >= 0). moved: m, a bound of how
+  // far any two nodes have moved relative to each other, on their way here, since the last call.
   void find_close(const Primitives& primitives, const PairLists& pairs, const Positions& x, double moved, double reach,
                   PairLists& close);
 
@@ -26,6 +26,7 @@ class PairSchedule {
   void put(std::uint32_t item);
 
   double width_ = 0.0;                             // m, of a slot
+  double far_ = 0.0;                               // m, a gap of pairs whose distance is not looked at more closely
   double path_ = 0.0;                              // m, sum of `moved`
   std::int64_t first_ = 0;                         // number of the first slot that may have pairs
   std::vector<double> due_;                        // m, [pair]: the path after which to look again

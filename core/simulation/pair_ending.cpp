@@ -7,6 +7,8 @@
 #include <set>
 #include <vector>
 
+#include <springnet/error.hpp>
+
 #include "constraints/vectors.hpp"
 #include "simulation/pair_events.hpp"
 
@@ -91,7 +93,11 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   const proximity::Primitives& all = bodies.primitives();
   const proximity::Positions end = positions_of(read_only(nodes.position), model.node_count());
   std::vector<proximity::NearPair> near;
-  bodies.list().update(end);
+  try {
+    bodies.list().update(end);
+  } catch (const Error&) {  // the motion diverges, or bodies collapse
+    return SPRINGNET_RECOVERABLE;
+  }
   proximity::find_near(all, bodies.list().close(2.0 * tolerance.gap), end, 2.0 * tolerance.gap, near,
                        model.evaluator.threads());
   const ClusterResponses clusters = clusters_of(model, step, near);

@@ -69,6 +69,7 @@ void keep_direction_of_pair(Model& model, double time, const State& state, PairT
   const Vector3 goes = slip.normalized();
   touching.phase = Contact::Slip::ending;
   touching.slip = goes;
+  if (coefficient_of(bodies.law_of(touching.kind, touching.pair).friction) >= friction_of_held) return;
   const auto place = static_cast<std::size_t>(&touching - bodies.touching().data());
   double slows = 0.0;
   const auto found = find_direction(motion.normal, goes, [&](const Vector3& against) {

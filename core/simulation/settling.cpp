@@ -25,7 +25,7 @@ constexpr double min_rebound = 1e-4;
 constexpr double steps_of_fall = 2.0;
 // In the same units. Integration errors decide whether slower touches happen.
 constexpr double grazing = 1e-4;
-constexpr int max_jams = 20;
+constexpr int max_jams = 20, max_returns = 20;
 constexpr double caught = 0.01;  // of the speed with which obstacles approached a body
 // `many_touches` of a node, each within `soon` (in units of the time to move the length scale) of the one before, show
 // a body that rocks on its contacts ever faster. Motions slower than `slow_rocking`, in units of the velocity scale,
@@ -415,7 +415,8 @@ springnet_status Settling::settle(std::uint32_t node) {
   std::vector<std::vector<Vector3>> impulses;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) impulses.emplace_back(each.sides.size(), Vector3::Zero());
   bool returned = false;
-  for (int jams = 0;; ++jams) {
+  int returns = 0;
+  for (int jams = 0;; jams += returned ? 0 : 1) {
     if (struck && !returned) {
       const bool rocks = chatters(island);
       const double slow = std::max({fall_through(island, depth_), rocks ? slow_rocking * model_.scales.velocity : 0.0,
@@ -438,7 +439,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     const double negligible = Scales::min_force * model_.scales.force + 1e-12 * forces;
     const bool is_resolved = island.resolve(negligible);
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
-    returned = is_resolved && jams < max_jams && island.end_returns(times_of_fall * times_of_fall * depth_);
+    returned = is_resolved && returns++ < max_returns && island.end_returns(times_of_fall * times_of_fall * depth_);
     if (returned) {
       struck = true;
       continue;

@@ -269,6 +269,95 @@ TEST_CASE("impulses that end a slip leave gaps as they are") {
   CHECK((end_of_rod(0.4) * island.nodes()[0].impulse[0] + Vector3(0.3, -0.4, 0)).norm() <= rounding);
 }
 
+namespace {
+
+// Two pairs that share a node of 1 kg, whose other nodes weigh 1 kg.
+Eigen::MatrixXd sharing() {
+  Eigen::MatrixXd result = 2.0 * Eigen::MatrixXd::Identity(6, 6);
+  result.topRightCorner(3, 3) = result.bottomLeftCorner(3, 3) = -Matrix3::Identity();
+  return result;
+}
+
+ContactNode pair_of(std::int32_t place, const Vector3& velocity, const Vector3& acceleration, double friction) {
+  ContactNode node;
+  node.pair = place;
+  node.acceleration = acceleration;
+  ContactSide side;
+  side.velocity = velocity;
+  side.friction = coulomb(friction);
+  side.separating = velocity[2] > 0.0;
+  side.active = !side.separating;
+  node.sides = {side};
+  return node;
+}
+
+}  // namespace
+
+TEST_CASE("bodies part, and friction of those that part is none, where another pair's slip ends") {
+  ContactNode ends = pair_of(0, {1e-3, 0, 0}, Vector3::Zero(), 0.5);
+  ends.slip_ended = true;
+  for (const double parts : {1.0, 0.0}) {
+    CAPTURE(parts);
+    Island island({ends, pair_of(1, {0, 0, parts}, Vector3::Zero(), 0.1)}, sharing());
+    CHECK(island.end_slip(1e-9));
+    CHECK(island.nodes()[0].sides[0].velocity.norm() <= rounding);
+    // One that touches sticks: the smallest impulses that keep it there.
+    const Vector3& impulse = island.nodes()[1].impulse[0];
+    if (parts > 0.0)
+      CHECK(impulse.isZero(0.0));
+    else
+      CHECK(island.nodes()[1].sides[0].velocity.norm() <= rounding);
+    CHECK((parts > 0.0) == impulse.isZero(0.0));
+  }
+}
+
+TEST_CASE("a separation that comes back at once ends, others do not") {
+  const Vector3 falls(0, 0, -10), opens(0, 0, 5);
+  const double depth = 1e-8;
+  const double least = std::sqrt(2.0 * 10.0 * depth);
+  for (const double share : {0.99, 1.01}) {
+    Island island({pair_of(0, {0, 0, share * least}, falls, 0.0)}, Eigen::MatrixXd::Identity(3, 3));
+    REQUIRE(island.resolve(rounding));
+    island.nodes()[0].sides[0].separating = true;
+    CHECK(island.end_returns(depth) == (share < 1.0));
+    CHECK(island.nodes()[0].sides[0].velocity[2] == doctest::Approx(share < 1.0 ? 0.0 : share * least));
+  }
+  // One that forces open is not pulled, though it shares a node.
+  Island beside({pair_of(0, Vector3::Zero(), opens, 0.0), pair_of(1, {0, 0, 0.5 * least}, falls, 0.0)}, sharing());
+  REQUIRE(beside.resolve(rounding));
+  REQUIRE(!beside.nodes()[0].sides[0].active);
+  CHECK(beside.end_returns(depth));
+  CHECK(beside.nodes()[0].impulse[0].isZero(0.0));
+  CHECK(std::abs(beside.nodes()[1].sides[0].velocity[2]) <= rounding);
+  // Impulses that are lost beside those of much lighter nodes are told.
+  Eigen::MatrixXd unequal = Eigen::MatrixXd::Identity(6, 6);
+  unequal.topLeftCorner(3, 3) *= 1e10;
+  Island lost({pair_of(0, Vector3::Zero(), falls, 0.0), pair_of(1, {0, 0, 0.5 * least}, falls, 0.0)}, unequal);
+  REQUIRE(lost.resolve(rounding));
+  CHECK(!lost.end_returns(depth));
+}
+
+TEST_CASE("where a pair comes back, a node sticks to the surface that it is on, not to one that it leaves") {
+  // On a belt, away from a wall that stands still.
+  ContactNode node;
+  ContactSide wall, belt;
+  wall.normal = Vector3::UnitX();
+  wall.velocity = Vector3(0.5, 0, 0);
+  wall.separating = true;
+  wall.active = false;
+  belt.normal = Vector3::UnitZ();
+  belt.friction = wall.friction = coulomb(0.5);
+  node.sides = {wall, belt};
+  node.acceleration = Vector3(0, 0, -10);
+  node.sticks = true;
+  Island island({node, pair_of(0, {0, 0, 1e-6}, {0, 0, -10}, 0.0)}, Eigen::MatrixXd::Identity(6, 6));
+  REQUIRE(island.resolve(rounding));
+  CHECK(island.end_returns(1e-8));
+  CHECK(island.nodes()[0].impulse[0].isZero(0.0));
+  CHECK(island.nodes()[0].impulse[1].norm() <= rounding);
+  CHECK(island.nodes()[0].sides[0].velocity[0] == 0.5);
+}
+
 TEST_CASE("the vector of least norm that makes all components nonnegative") {
   Eigen::MatrixXd matrix(2, 2);
   matrix << 1, 1, 0, -1;
