@@ -50,16 +50,22 @@ std::vector<ConstraintRow> ConstraintSet::rows_of(const std::vector<PairMotion>&
   return rows;
 }
 
-// Newton's method on the gaps, then the rates; the obstacles under nodes of pairs take part, so that neither undoes the
-// other.
+// Newton's method on the gaps, then the rates; the obstacles under nodes of pairs take part, and the rigid connections
+// of these, so that none undoes the other.
 void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& position,
                                   const springnet_vectors& velocity) const {
   if (!bodies_.located() || bodies_.touching().empty()) return;
-  std::set<std::uint32_t> on_obstacles;
+  std::set<std::uint32_t> clusters, on_obstacles;
+  const auto add_obstacle = [&](std::uint32_t k) {
+    if (contact_.now(k).slides && contact_.constrained()[k] == 0) on_obstacles.insert(k);
+  };
   for (const PairMotion& pair : pairs_at(read_only(position), read_only(velocity)))
-    for (std::size_t i = 0; i < pair.count; ++i)
-      if (const std::uint32_t k = pair.nodes[i]; contact_.now(k).slides && contact_.constrained()[k] == 0)
-        on_obstacles.insert(k);
+    for (std::size_t i = 0; i < pair.count; ++i) {
+      add_obstacle(pair.nodes[i]);
+      if (rigid_.is_joined(pair.nodes[i])) clusters.insert(rigid_.cluster_of()[pair.nodes[i]]);
+    }
+  for (const std::uint32_t cluster : clusters)
+    for (const std::uint32_t k : rigid_.nodes_of(cluster)) add_obstacle(k);
   const auto mobility = [&](std::uint32_t node) -> Matrix3 {
     return contact_.constrained()[node] != 0 ? Matrix3(Matrix3::Zero()) : rigid_.mobility(node);
   };
@@ -69,6 +75,9 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
         if (surface >= 0)
           rows.push_back({k, ConstraintRow::no_node,
                           contact_.normal(at, static_cast<std::size_t>(surface), vector_at(position, k)), surface});
+  };
+  const auto add_rods = [&](std::vector<ConstraintRow>& rows) {
+    for (const std::uint32_t cluster : clusters) rigid_.add_rows(cluster, read_only(position), rows);
   };
   ConstraintSystem system;
   const auto change = [](const springnet_vectors& values) {
@@ -87,15 +96,22 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
     }
     if (greatest <= rounding_gaps * rounding * size) break;
     add_obstacles(rows);
+    const std::size_t first_rod = rows.size();
+    add_rods(rows);
     gaps.conservativeResize(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = pairs.size(); r < rows.size(); ++r)
+    for (std::size_t r = pairs.size(); r < first_rod; ++r)
       gaps[static_cast<Eigen::Index>(r)] =
           contact_.gap(at, static_cast<std::size_t>(rows[r].surface), vector_at(position, rows[r].first));
+    std::size_t r = first_rod;
+    for (const std::uint32_t cluster : clusters)
+      rigid_.for_each_stretch(cluster, read_only(position),
+                              [&](double stretch) { gaps[static_cast<Eigen::Index>(r++)] = stretch; });
     system.set(std::move(rows), mobility);
     system.for_each_change(system.solve(-gaps), change(position));
   }
   std::vector<ConstraintRow> rows = rows_of(pairs_at(read_only(position), read_only(velocity)), true);
   add_obstacles(rows);
+  add_rods(rows);
   system.set(std::move(rows), mobility);
   const auto rates = system.rates([&](std::uint32_t node) { return vector_at(velocity, node); },
                                   [&](const ConstraintRow& row) {

@@ -427,6 +427,13 @@ Eigen::MatrixXd RigidConnections::response(const Placement& at, std::size_t numb
   return result;
 }
 
+void RigidConnections::add_rows(std::size_t cluster, const springnet_const_vectors& position,
+                                std::vector<ConstraintRow>& rows) const {
+  for (const std::uint32_t r : clusters_[cluster].rods)
+    rows.push_back({rods_[r].first, rods_[r].second,
+                    direction(vector_at(position, rods_[r].first), vector_at(position, rods_[r].second))});
+}
+
 std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors& position) const {
   std::vector<ConstraintRow> rows;
   rows.reserve(rods_.size());

@@ -104,6 +104,14 @@ class RigidConnections {
                                        const springnet_const_vectors& velocity) const;
   // The constraint rows of all rods at these positions.
   [[nodiscard]] std::vector<ConstraintRow> rows(const springnet_const_vectors& position) const;
+  // Adds those of a cluster, in the order of its connections.
+  void add_rows(std::size_t cluster, const springnet_const_vectors& position, std::vector<ConstraintRow>& rows) const;
+  // use(length less that which it should have), m, in this order.
+  template <class Use>
+  void for_each_stretch(std::size_t cluster, const springnet_const_vectors& position, const Use& use) const {
+    for (const std::uint32_t r : clusters_[cluster].rods)
+      use((vector_at(position, rods_[r].first) - vector_at(position, rods_[r].second)).norm() - rods_[r].length);
+  }
   // How a cluster answers impulses on some of its nodes, `struck`, 1/kg: three rows a node of the cluster, three
   // columns a struck one. Nodes on obstacles stay on them, and slide or stick as they do now. free: of nodes that
   // can move, 1/kg.

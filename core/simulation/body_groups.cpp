@@ -15,15 +15,20 @@ std::vector<BodyGroup> body_groups(const Model& model, const std::vector<PairMot
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  std::map<std::uint32_t, std::size_t> owner;  // [node] a pair of it
+  std::map<std::uint32_t, std::size_t> owner;  // [node] a pair of it, or of its cluster
+  const auto own = [&](std::uint32_t k, std::size_t i) {
+    if (fixed[k] != 0) return;
+    const auto [found, is_new] = owner.emplace(k, i);
+    if (is_new) return;
+    const std::size_t a = root(found->second), b = root(i);
+    parent[std::max(a, b)] = std::min(a, b);
+  };
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (std::size_t j = 0; j < pairs[i].count; ++j) {
       const std::uint32_t k = pairs[i].nodes[j];
-      if (fixed[k] != 0) continue;
-      const auto [found, is_new] = owner.emplace(k, i);
-      if (is_new) continue;
-      const std::size_t a = root(found->second), b = root(i);
-      parent[std::max(a, b)] = std::min(a, b);
+      own(k, i);
+      if (!model.rigid.is_joined(k)) continue;
+      for (const std::uint32_t joined : model.rigid.nodes_of(model.rigid.cluster_of()[k])) own(joined, i);
     }
   std::vector<BodyGroup> groups;
   std::map<std::size_t, std::size_t> group_of;  // [root]
@@ -37,7 +42,7 @@ std::vector<BodyGroup> body_groups(const Model& model, const std::vector<PairMot
   return groups;
 }
 
-Eigen::MatrixXd mobility_of(const Model& model, const std::vector<Lever>& levers) {
+Eigen::MatrixXd mobility_of(const Model& model, const std::vector<Lever>& levers, const StruckClusters& clusters) {
   const auto size = static_cast<Eigen::Index>(3 * levers.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
   std::map<std::uint32_t, std::vector<std::pair<std::size_t, double>>> of_node;
@@ -45,12 +50,28 @@ Eigen::MatrixXd mobility_of(const Model& model, const std::vector<Lever>& levers
     levers[i].for_each([&](std::uint32_t k, double weight) {
       if (model.contact.fixed()[k] == 0 && weight != 0.0) of_node[k].emplace_back(i, weight);
     });
-  for (const auto& [node, users] : of_node)
+  std::map<std::uint32_t, std::vector<std::uint32_t>> struck;  // [cluster]
+  for (const auto& [node, users] : of_node) {
+    if (model.rigid.is_joined(node)) {
+      struck[model.rigid.cluster_of()[node]].push_back(node);
+      continue;
+    }
     for (const auto& [i, by] : users)
       for (const auto& [j, to] : users)
         for (Eigen::Index c = 0; c < 3; ++c)
           result(static_cast<Eigen::Index>(3 * i) + c, static_cast<Eigen::Index>(3 * j) + c) +=
               by * to / model.mass[node];
+  }
+  for (const auto& [number, nodes] : struck) {
+    const Eigen::MatrixXd answers = clusters.clusters().at(number).mobility(nodes);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (std::size_t b = 0; b < nodes.size(); ++b) {
+        const Matrix3 answer = answers.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b));
+        for (const auto& [i, by] : of_node[nodes[a]])
+          for (const auto& [j, to] : of_node[nodes[b]])
+            result.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j)) += by * to * answer;
+      }
+  }
   return result;
 }
 

@@ -1,4 +1,5 @@
-// Bodies in contact as islands: pairs that share nodes which can move, with the obstacles that these nodes touch.
+// Bodies in contact as islands: pairs that share nodes which can move, or rigidly connected ones, with the obstacles
+// that these nodes touch.
 #pragma once
 
 #include <array>
@@ -10,12 +11,13 @@
 
 #include "constraints/pair_motion.hpp"
 #include "simulation/model.hpp"
+#include "simulation/struck_clusters.hpp"
 
 namespace springnet {
 
 struct BodyGroup {
   std::vector<std::size_t> pairs;    // places in the list that the group is of, ascending
-  std::vector<std::uint32_t> nodes;  // of these, ascending, that can move
+  std::vector<std::uint32_t> nodes;  // of these and of their clusters, ascending, that can move
 };
 // Pairs without nodes that can move are in none.
 [[nodiscard]] std::vector<BodyGroup> body_groups(const Model& model, const std::vector<PairMotion>& pairs);
@@ -35,8 +37,9 @@ struct Lever {
   std::array<double, 4> weights;
   std::size_t count;
 };
-// How these answer impulses on each other, 1/kg: three rows and columns each.
-[[nodiscard]] Eigen::MatrixXd mobility_of(const Model& model, const std::vector<Lever>& levers);
+// How these answer impulses on each other, 1/kg: three rows and columns each. clusters: of their nodes.
+[[nodiscard]] Eigen::MatrixXd mobility_of(const Model& model, const std::vector<Lever>& levers,
+                                          const StruckClusters& clusters);
 
 // The direction of friction's slip of a pair that slides, unit: that of its velocity, or the kept one while it has
 // hardly any; zero if there is none.

@@ -9,6 +9,7 @@
 #include "profile/stage.hpp"
 #include "simulation/body_groups.hpp"
 #include "simulation/reactions_at.hpp"
+#include "simulation/struck_clusters.hpp"
 
 namespace springnet {
 namespace {
@@ -79,12 +80,22 @@ springnet_status BodyMotion::find(Model& model, ReactionsAt& at) {
     for (std::size_t i = 0; i < motion.count; ++i) all.push_back(motion.nodes[i]);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
+  StruckClusters clusters(model);
+  clusters.set(all, at.all_positions());
+  clusters.add_nodes(all);
   if (const springnet_status status = at.prepare(all); status != SPRINGNET_OK) return status;
   for (const std::uint32_t k : all) {
     Vector3 acceleration;
     if (const springnet_status status = at.unsupported(k, acceleration); status != SPRINGNET_OK) return status;
     free[k] = acceleration;
     nodes_[k].acceleration = acceleration;
+  }
+  for (const auto& [number, rods] : clusters.clusters()) {
+    const std::vector<std::uint32_t>& joined = model.rigid.nodes_of(number);
+    std::vector<Vector3> accelerations;
+    for (const std::uint32_t k : joined) accelerations.push_back(free.at(k));
+    rods.accelerate(at.all_positions(), at.all_velocities(), accelerations);
+    for (std::size_t i = 0; i < joined.size(); ++i) free[joined[i]] = nodes_[joined[i]].acceleration = accelerations[i];
   }
   const auto free_of = [&](std::uint32_t k) -> const Vector3& { return free.at(k); };
   std::vector<Vector3> forces(motions.size(), Vector3::Zero());
@@ -102,23 +113,30 @@ springnet_status BodyMotion::find(Model& model, ReactionsAt& at) {
       contacts.push_back(of_pair(model, bodies.touching()[i], motions[i], motions[i].relative(free_of)));
       levers.emplace_back(motions[i]);
     }
-    Island island(std::move(contacts), mobility_of(model, levers));
+    Island island(std::move(contacts), mobility_of(model, levers, clusters));
     island.solve();
+    std::map<std::uint32_t, Vector3> on_clusters;  // N
     for (std::size_t i = 0; i < levers.size(); ++i) {
       const ContactNode& contact = island.nodes()[i];
       levers[i].for_each([&](std::uint32_t k, double weight) {
         OfNode& node = nodes_[k];
         (i < first_pair ? node.reaction : node.pushed) += weight * contact.force;
-        if (model.contact.fixed()[k] == 0) node.acceleration += weight / model.mass[k] * contact.force;
+        if (model.rigid.is_joined(k))
+          on_clusters.try_emplace(k, Vector3::Zero()).first->second += weight * contact.force;
+        else if (model.contact.fixed()[k] == 0)
+          node.acceleration += weight / model.mass[k] * contact.force;
       });
       if (i < first_pair) continue;
       forces[group.pairs[i - first_pair]] = contact.force;
       pressing[group.pairs[i - first_pair]] = contact.normal_force[0];
     }
+    clusters.spread(
+        on_clusters, [this](std::uint32_t k, const Vector3& by) { nodes_[k].acceleration += by; },
+        [](std::uint32_t, const Vector3&) {});  // what fixes nodes of clusters bears: see ReactionsAt
   }
   // What fixes a node bears all that acts on it, and gives it the acceleration that it has.
   for (auto& [k, node] : nodes_) {
-    if (model.contact.fixed()[k] == 0) continue;
+    if (model.contact.fixed()[k] == 0 || model.rigid.is_joined(k)) continue;
     Vector3 without;
     if (const springnet_status status = at.unfixed(k, without); status != SPRINGNET_OK) return status;
     node.reaction = model.mass[k] * (node.acceleration - without) - node.pushed;

@@ -28,7 +28,7 @@ class BodyMotion {
   struct OfNode {
     Vector3 acceleration = Vector3::Zero();  // m/s^2, with all forces
     Vector3 pushed = Vector3::Zero();        // N, by bodies
-    Vector3 reaction = Vector3::Zero();      // N, of obstacles, or of what fixes it
+    Vector3 reaction = Vector3::Zero();      // N, of obstacles, or of what fixes it; not of fixed nodes of clusters
   };
   // Null: no body touches it.
   [[nodiscard]] const OfNode* find(std::uint32_t node) const {

@@ -102,14 +102,13 @@ springnet_status ReactionsAt::bodies(const BodyMotion*& motion) {
 }
 
 springnet_status ReactionsAt::of(std::uint32_t node, Vector3& reaction) {
+  if (model_.rigid.is_joined(node)) return of_cluster(model_.rigid.cluster_of()[node], node, reaction);
   const BodyMotion* pushed = nullptr;
   if (const springnet_status status = bodies(pushed); status != SPRINGNET_OK) return status;
   if (const BodyMotion::OfNode* const own = pushed == nullptr ? nullptr : pushed->find(node); own != nullptr) {
     reaction = own->reaction;
     return SPRINGNET_OK;
   }
-  const std::uint32_t* clusters = model_.rigid.cluster_of();
-  if (clusters != nullptr && clusters[node] != 0xffffffffu) return of_cluster(clusters[node], node, reaction);
   Vector3 free;
   if (const springnet_status status = free_acceleration(node, free); status != SPRINGNET_OK) return status;
   reaction = model_.constraints.reaction(node, free, held(node, free), position_, nullptr);
@@ -201,10 +200,15 @@ springnet_status ReactionsAt::know(std::uint32_t cluster) {
   const std::size_t n = model_.layout.node_count();
   const springnet_vectors free{free_.data(), free_.data() + n, free_.data() + 2 * n};
   const springnet_vectors constrained{constrained_.data(), constrained_.data() + n, constrained_.data() + 2 * n};
+  const BodyMotion* pushed = nullptr;
+  if (const springnet_status status = bodies(pushed); status != SPRINGNET_OK) return status;
   for (const std::uint32_t k : model_.rigid.nodes_of(cluster)) {
     Vector3 a;
     if (const springnet_status status = free_acceleration(k, a); status != SPRINGNET_OK) return status;
-    if (const auto added = added_.find(k); added != added_.end()) a += added->second / model_.mass[k];
+    if (const BodyMotion::OfNode* const own = pushed == nullptr ? nullptr : pushed->find(k); own != nullptr)
+      a += own->pushed / model_.mass[k];
+    else if (const auto added = added_.find(k); added != added_.end())
+      a += added->second / model_.mass[k];
     put_vector(free, k, a);
     double* const values[3] = {&a[0], &a[1], &a[2]};
     if (k != without_) model_.constraints.accelerate(*placement_, k, 1, position_, velocity_, values);

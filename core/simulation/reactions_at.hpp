@@ -44,8 +44,8 @@ class ReactionsAt {
     prepared_ = std::move(nodes);
     prepared_acceleration_ = std::move(accelerations);
   }
-  // Forces of bodies in contact on nodes with rigid connections, N: what holds the others of the cluster bears them,
-  // too.
+  // Forces of bodies in contact on nodes with rigid connections, N, where a step found them: what holds the others of
+  // the cluster bears them, too.
   void add_forces(std::map<std::uint32_t, Vector3> forces) { added_ = std::move(forces); }
   // The force of fixation or obstacles on a node, N.
   springnet_status of(std::uint32_t node, Vector3& reaction);

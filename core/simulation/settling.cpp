@@ -49,7 +49,8 @@ Settling::Settling(Model& model, double time, State& state, const Findings& find
       depth_(model.contact_tolerance()),
       no_speed_(model.no_speed()),
       jump_(jump * model.scales.velocity),
-      done_(model.rigid.cluster_count(), 0) {}
+      done_(model.rigid.cluster_count(), 0),
+      clusters_(model) {}
 
 springnet_status settle(Model& model, double time, State& state, const Findings& findings) {
   Settling settling(model, time, state, findings);
@@ -97,7 +98,7 @@ void Settling::add_sides(ContactNode& node) const {
     ContactSide side;
     side.surface = surface;
     side.normal = contact.normal(*at_, j, p);
-    side.friction = rods_ || group_ != nullptr ? bounded(obstacle.friction()) : obstacle.friction();
+    side.friction = clusters_.any() || group_ != nullptr ? bounded(obstacle.friction()) : obstacle.friction();
     side.restitution = obstacle.restitution();
     side.velocity = v - Contact::velocity(*at_, j, p);
     side.surface_acceleration = Contact::acceleration(*at_, j, p);
@@ -155,11 +156,20 @@ springnet_status Settling::accelerate(Island& island) {
   for (std::size_t i = 0; i < members_.size(); ++i)
     if (const springnet_status status = reactions.unsupported(members_[i], accelerations[i]); status != SPRINGNET_OK)
       return status;
-  if (rods_) rods_->accelerate(position, velocity, accelerations);
-  const auto acceleration_of = [&](std::uint32_t k) -> Vector3 {
+  const auto find = [&](std::uint32_t k) -> Vector3* {
     const auto place = std::lower_bound(members_.begin(), members_.end(), k);
-    if (place != members_.end() && *place == k)
-      return accelerations[static_cast<std::size_t>(place - members_.begin())];
+    if (place == members_.end() || *place != k) return nullptr;
+    return &accelerations[static_cast<std::size_t>(place - members_.begin())];
+  };
+  for (const auto& [number, rods] : clusters_.clusters()) {
+    const std::vector<std::uint32_t>& joined = model_.rigid.nodes_of(number);
+    std::vector<Vector3> of_cluster;
+    for (const std::uint32_t k : joined) of_cluster.push_back(*find(k));
+    rods.accelerate(position, velocity, of_cluster);
+    for (std::size_t i = 0; i < joined.size(); ++i) *find(joined[i]) = of_cluster[i];
+  }
+  const auto acceleration_of = [&](std::uint32_t k) -> Vector3 {
+    if (const Vector3* const known = find(k)) return *known;
     Vector3 moved;  // of one that is fixed or moved, which is no member
     return reactions.unsupported(k, moved) == SPRINGNET_OK ? moved : Vector3::Zero();
   };
@@ -183,8 +193,7 @@ springnet_status Settling::accelerate(Island& island) {
 
 void Settling::apply_impulses(const Island& island) {
   Contact& contact = model_.contact;
-  const springnet_vectors& velocity = state_.view.velocity;
-  std::vector<Vector3> impulses;
+  std::map<std::uint32_t, Vector3> impulses;
   for (const ContactNode& node : island.nodes()) {
     if (node.pair >= 0) {
       apply_impulse(candidates_[static_cast<std::size_t>(node.pair)], node.impulse[0]);
@@ -196,21 +205,18 @@ void Settling::apply_impulses(const Island& island) {
       contact.add_surface_impulse(static_cast<std::size_t>(node.sides[s].surface), -node.impulse[s]);
     }
     contact.add_impulse(node.node, sum);
-    impulses.push_back(sum);
+    impulses.emplace(node.node, sum);
   }
-  const auto change = [&](std::uint32_t node, const Vector3& dv) {
-    if (contact.fixed()[node] == 0) put_vector(velocity, node, vector_at(velocity, node) + dv);
-  };
-  if (rods_) {
-    // The fixation of a node takes the impulses that reach it.
-    rods_->push(contact_nodes_, impulses, change,
-                [&](std::uint32_t node, const Vector3& impulse) { contact.add_impulse(node, -impulse); });
-  } else {
-    std::size_t i = 0;
-    for (const ContactNode& node : island.nodes())
-      if (node.pair < 0) change(node.node, impulses[i++] / model_.mass[node.node]);
-  }
+  spread(impulses);
   struck_ = true;
+}
+
+// The fixation of a node takes the impulses that reach it.
+void Settling::spread(const std::map<std::uint32_t, Vector3>& impulses) {
+  const springnet_vectors& velocity = state_.view.velocity;
+  clusters_.spread(
+      impulses, [&](std::uint32_t k, const Vector3& dv) { put_vector(velocity, k, vector_at(velocity, k) + dv); },
+      [this](std::uint32_t k, const Vector3& impulse) { model_.contact.add_impulse(k, -impulse); });
 }
 
 // Commits the contact that was found for a node.
@@ -280,7 +286,7 @@ void Settling::commit_contact(const ContactNode& node, const Vector3& came) {
 
 // A released node starts without normal speed relative to the obstacle: an integration error would make it touch again.
 void Settling::part(std::uint32_t node, const ContactSide& side) {
-  if (rods_) return;
+  if (model_.rigid.is_joined(node)) return;
   const Vector3 v = vector_at(state_.view.velocity, node);
   const auto j = static_cast<std::size_t>(side.surface);
   const double speed = side.normal.dot(v - Contact::velocity(*at_, j, vector_at(state_.view.position, node)));
@@ -364,7 +370,7 @@ springnet_status Settling::stop_and_stick(Island& island, double negligible,
 
 springnet_status Settling::settle(std::uint32_t node) {
   const std::uint32_t* clusters = model_.rigid.cluster_of();
-  rods_.reset();
+  clusters_.clear();
   group_ = nullptr;
   gather_candidates();
   if (const auto group = group_of_.find(node); group != group_of_.end()) {
@@ -372,23 +378,24 @@ springnet_status Settling::settle(std::uint32_t node) {
     group_done_[group->second] = 1;
     group_ = &groups_[group->second];
     members_ = group_->nodes;
+    clusters_.set(members_, read_only(state_.view.position));
+    clusters_.add_nodes(members_);
+    for (const auto& [number, rods] : clusters_.clusters()) done_[number] = 1;
   } else if (clusters != nullptr && clusters[node] != ConstraintRow::no_node) {
     const std::uint32_t cluster = clusters[node];
     if (done_[cluster] != 0) return SPRINGNET_OK;
     done_[cluster] = 1;
     members_ = model_.rigid.nodes_of(cluster);
-    rods_.emplace(model_.rigid, cluster, read_only(state_.view.position));
+    clusters_.set({node}, read_only(state_.view.position));
   } else {
     members_ = {node};
   }
   restore_sticking();
   // Integration errors in the rates of lengths, which impulses of contacts could not remove.
-  if (rods_) rods_->project(state_.view.velocity);
+  for (const auto& [number, rods] : clusters_.clusters()) rods.project(state_.view.velocity);
   std::vector<ContactNode> nodes = gather();
   if (nodes.empty()) return SPRINGNET_OK;
-  contact_nodes_.clear();
-  for (const ContactNode& each : nodes) contact_nodes_.push_back(each.node);
-  Eigen::MatrixXd response = rods_ ? rods_->mobility(contact_nodes_) : mobility(nodes);
+  Eigen::MatrixXd response = mobility(nodes);
   Island island(std::move(nodes), std::move(response));
   std::vector<Vector3> came;  // m/s, [node of the island]
   for (const ContactNode& each : island.nodes())

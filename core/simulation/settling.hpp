@@ -11,6 +11,7 @@
 #include "simulation/body_groups.hpp"
 #include "simulation/model.hpp"
 #include "simulation/reactions_at.hpp"
+#include "simulation/struck_clusters.hpp"
 
 namespace springnet {
 
@@ -73,6 +74,7 @@ class Settling {
   bool stop_held(Island& island, double slow) const;
   // Applies the impulses of the island to velocities.
   void apply_impulses(const Island& island);
+  void spread(const std::map<std::uint32_t, Vector3>& impulses);  // [node] N s
   // If no forces satisfy the contacts: slips with friction that are no faster than integration errors, or rocking, come
   // to rest and stick. A contact that holds too much takes energy; friction of a pulling contact would add some.
   springnet_status stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& impulses);
@@ -98,7 +100,9 @@ class Settling {
   void gather_candidates();
   [[nodiscard]] PairMotion motion_of(const Candidate& candidate) const;  // at the present state
   void add_pairs(std::vector<ContactNode>& nodes) const;
+  // Of a pair: what an impulse changes of velocities, m/s, or in its place a push, N s^2, of positions, m.
   void apply_impulse(const Candidate& pair, const Vector3& impulse);
+  void displace(const Candidate& pair, const Vector3& push);
   void commit_pair(const ContactNode& node, const Vector3& came);
   void keep_slip_of_pair(ContactNode& node, double friction) const;
   void find_phase_of_pair(const ContactNode& node, const Vector3& acceleration, double negligible);
@@ -118,8 +122,7 @@ class Settling {
   double jump_;                     // m/s: smaller velocity differences are integration errors
   std::vector<std::uint8_t> done_;  // [cluster]
   std::vector<std::uint32_t> members_;
-  std::optional<RigidConnections::WithoutContact> rods_;
-  std::vector<std::uint32_t> contact_nodes_;
+  StruckClusters clusters_;  // of the members
   std::vector<std::uint32_t> stopped_;
   Rebounds rebounds_;
   bool struck_ = false;

@@ -115,17 +115,23 @@ Eigen::MatrixXd Settling::mobility(const std::vector<ContactNode>& nodes) const 
     else
       levers.emplace_back(candidates_[static_cast<std::size_t>(node.pair)].motion);
   }
-  return mobility_of(model_, levers);
+  return mobility_of(model_, levers, clusters_);
 }
 
 void Settling::apply_impulse(const Candidate& pair, const Vector3& impulse) {
   if (impulse.isZero(0.0)) return;
-  Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
-    if (model_.contact.fixed()[k] != 0)
-      model_.contact.add_impulse(k, -weight * impulse);  // what fixes it takes it
-    else
-      put_vector(state_.view.velocity, k, vector_at(state_.view.velocity, k) + weight / model_.mass[k] * impulse);
-  });
+  std::map<std::uint32_t, Vector3> impulses;
+  Lever(pair.motion).for_each([&](std::uint32_t k, double weight) { impulses[k] = weight * impulse; });
+  spread(impulses);
+}
+
+void Settling::displace(const Candidate& pair, const Vector3& push) {
+  std::map<std::uint32_t, Vector3> pushes;
+  Lever(pair.motion).for_each([&](std::uint32_t k, double weight) { pushes[k] = weight * push; });
+  const springnet_vectors& position = state_.view.position;
+  clusters_.spread(
+      pushes, [&](std::uint32_t k, const Vector3& dp) { put_vector(position, k, vector_at(position, k) + dp); },
+      [](std::uint32_t, const Vector3&) {});
 }
 
 bool Settling::is_known(const ContactNode& node, const ContactSide& side) const {
@@ -150,10 +156,8 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
   const ContactSide& side = node.sides[0];
   const Vector3& impulse = node.impulse[0];
   pair.motion = motion_of(pair);
-  double response = 0.0;  // 1/kg, along the normal
-  Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
-    if (model_.contact.fixed()[k] == 0) response += weight * weight / model_.mass[k];
-  });
+  const Matrix3 responses = mobility_of(model_, {Lever(pair.motion)}, clusters_);
+  const double response = pair.motion.normal.dot(responses * pair.motion.normal);  // 1/kg
   const double mobility = response > 0.0 ? 1.0 / response : 0.0;  // kg: 0 where only fixed nodes have weight
   const auto record = [&](Event::Kind kind, const Vector3& given = Vector3::Zero()) {
     record_pair(model_, kind, time_, pair.motion, read_only(state_.view.position), came, given);
@@ -167,11 +171,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     if (!side.active) {
       // Put it on the surface, so that its next touch crosses the tolerance again.
       record(Event::Kind::parted);
-      const Vector3 lift = -pair.motion.gap * mobility * pair.motion.normal;
-      Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
-        if (model_.contact.fixed()[k] == 0)
-          put_vector(state_.view.position, k, vector_at(state_.view.position, k) + weight / model_.mass[k] * lift);
-      });
+      displace(pair, -pair.motion.gap * mobility * pair.motion.normal);
       return;
     }
   } else if (!side.active) {

@@ -49,15 +49,16 @@ void Simulation::Impl::require_abilities() const {
     throw Error(
         ErrorKind::input,
         fmt::format("integrator '{}' does not handle contact of bodies with each other, which this network has; "
-                    "use recurrent{}, or leave out [[contact]]",
-                    options.integrator.id, engine.model().constraints.bodies().any_rigid() ? "" : ", verlet or cvode"));
+                    "use recurrent, verlet or cvode, or leave out [[contact]]",
+                    options.integrator.id));
   if ((abilities & SPRINGNET_KEEPS_RIGID_BODIES_APART) == 0 && engine.model().constraints.bodies().any_rigid())
     throw Error(
         ErrorKind::input,
-        fmt::format("integrator '{}' does not handle contact of bodies whose nodes have rigid connections, which "
-                    "this network has; use recurrent, leave such nodes out of [[contact]], or make stiff springs "
-                    "of the connections",
-                    options.integrator.id));
+        fmt::format(
+            "integrator '{}' does not handle contact of bodies whose nodes have rigid connections, which "
+            "this network has; use recurrent, verlet or cvode, leave such nodes out of [[contact]], or make stiff "
+            "springs of the connections",
+            options.integrator.id));
   if ((abilities & SPRINGNET_WITHOUT_RIGID) != 0 && engine.model().rigid.any()) refuse("rigid connections");
 }
 

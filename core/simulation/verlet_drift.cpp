@@ -41,12 +41,14 @@ springnet_status VerletContact::drift(const springnet_sweep& step, const Pushes&
     Body body = body_of(step, nodes);
     body.cluster = cluster;
     springnet_status status = evaluate_forces(body, step, model_.time, step.start_position, step.start_velocity);
+    const bool is_in_contact =
+        std::any_of(nodes.begin(), nodes.end(), [this](std::uint32_t k) { return contact_.committed(k).surface >= 0; });
     for (Member& m : body.members) {
       const auto push = pushes.find(m.node);
       if (push == pushes.end() || m.fixed) continue;
       m.half += push->second.velocity;
       // The straight path that ends where it does.
-      if (contact_.committed(m.node).surface < 0) m.start += push->second.shift;
+      if (!is_in_contact) m.start += push->second.shift;
     }
     if (status == SPRINGNET_OK) status = drift(body);
     if (status != SPRINGNET_OK || body.touchers.empty()) return status;

@@ -63,7 +63,28 @@ std::optional<proximity::Meeting> refine(proximity::PairKind kind, const std::ar
 }  // namespace
 
 VerletPairs::VerletPairs(Model& model, double until, double length)
-    : model_(model), from_(model.time), until_(until), h_(length), tolerance_(model), mobility_(pair_mobility(model)) {}
+    : model_(model),
+      from_(model.time),
+      until_(until),
+      h_(length),
+      tolerance_(model),
+      mobility_(pair_mobility(model)),
+      clusters_(model, until, length) {}
+
+bool VerletPairs::strike(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, double share) {
+  if (!clusters_.any()) return false;
+  const proximity::Primitives& all = model_.constraints.bodies().primitives();
+  const std::array<std::uint32_t, 4> nodes = all.nodes_of(kind, pair);
+  bool changed = false;
+  for (int i = 0; i < proximity::first_nodes(kind) + proximity::second_nodes(kind); ++i)
+    changed = clusters_.strike(step, nodes[static_cast<std::size_t>(i)], share) || changed;
+  return changed;
+}
+
+void VerletPairs::renew_mobility(const springnet_sweep& step) {
+  clusters_.renew();
+  for (PairRow& row : rows_) row.is_blocked = !set_mobility(row, moved(step));
+}
 
 void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair,
                       const proximity::Separation& at, double share, bool is_new) {
@@ -71,6 +92,7 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
   PairRow row = row_of(bodies, kind, pair, at);
   row.lever = h_;
   known_.emplace(kind, pair);
+  if (strike(step, kind, pair, is_new ? share : 0.0)) renew_mobility(step);
   if (!set_mobility(row, moved(step))) return;
   Contact contact{at.direction, bodies.primitives().thickness(kind, pair), share, false, false};
   // Its gap closes at most. So what slides from one face to the next is carried by the plane of the first for the rest
@@ -117,7 +139,7 @@ void VerletPairs::add_met(const springnet_sweep& step, const proximity::Position
     });
     if (!is_past) found.push_back({each, *meeting});
   }
-  // Of each node the first one: its path after that is another one.
+  // Of each node, and of each cluster, the first one: its path after that is another one.
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
     return std::tuple(a.at.time, a.pair.kind, a.pair.pair) < std::tuple(b.at.time, b.pair.kind, b.pair.pair);
   });
@@ -129,7 +151,8 @@ void VerletPairs::add_met(const springnet_sweep& step, const proximity::Position
       return before != taken.end() && each.at.time > before->second + simultaneous;
     });
     for (const std::uint32_t node : nodes)
-      if (mobility_[node] > 0.0) taken.emplace(node, each.at.time);
+      if (mobility_[node] > 0.0)
+        clusters_.for_each_moved(node, [&](std::uint32_t k) { taken.emplace(k, each.at.time); });
     if (is_later) continue;
     add(step, each.pair.kind, each.pair.pair, each.at.at, each.at.time, true);
   }
@@ -140,7 +163,8 @@ bool VerletPairs::find(const springnet_sweep& step) {
   const profile::Stage stage("proximity");
   BodyContacts& bodies = model_.constraints.bodies();
   const std::size_t n = model_.node_count();
-  const proximity::Positions end = positions_of(read_only(step.next_position), n);
+  const proximity::Positions end =
+      clusters_.any() ? clusters_.end(step) : positions_of(read_only(step.next_position), n);
   proximity::Positions start = positions_of(step.start_position, n);
   if (!start_[0].empty()) start = {{start_[0].data(), start_[1].data(), start_[2].data()}, n};
   try {
@@ -163,7 +187,9 @@ bool VerletPairs::find(const springnet_sweep& step) {
   const auto from_start = [&](proximity::PairKind kind, proximity::Pair pair) {
     add(step, kind, pair, separation(kind, all.corners(kind, pair, start)), 0.0, false);
   };
-  if (known_.empty())
+  if (known_.empty()) {
+    for (const PairTouch& touch : bodies.touching()) strike(step, touch.kind, touch.pair, 0.0);
+    clusters_.renew();
     for (const PairTouch& touch : bodies.touching()) {
       const std::size_t row_count = rows_.size();
       from_start(touch.kind, touch.pair);
@@ -174,6 +200,7 @@ bool VerletPairs::find(const springnet_sweep& step) {
       row.impulse = 0.5 * h_ * (touch.guess + (std::max(0.0, along) - along) * row.normal);
       apply(row, row.impulse, moved(step));
     }
+  }
   add_met(step, start, end);
   // What begins so near that it counts as touching.
   for (const proximity::NearPair& each : near_) {
@@ -198,11 +225,13 @@ void VerletPairs::finish_impacts(const springnet_sweep& step) {
       start_[2].assign(step.start_position.z, step.start_position.z + n);
     }
     for (int i = 0; i < row.count; ++i) {
-      const std::uint32_t k = row.nodes[static_cast<std::size_t>(i)];
-      if (mobility_[k] == 0.0) continue;
-      const Vector3 from = vector_at(step.next_position, k) - h_ * vector_at(step.next_velocity, k);
-      for (std::size_t c = 0; c < 3; ++c) start_[c][k] = from[static_cast<Eigen::Index>(c)];
-      struck_[k] = std::max(struck_[k], contacts_[r].time);
+      const std::uint32_t node = row.nodes[static_cast<std::size_t>(i)];
+      if (mobility_[node] == 0.0) continue;
+      clusters_.for_each_moved(node, [&](std::uint32_t k) {
+        const Vector3 from = vector_at(step.next_position, k) - h_ * vector_at(step.next_velocity, k);
+        for (std::size_t c = 0; c < 3; ++c) start_[c][k] = from[static_cast<Eigen::Index>(c)];
+        struck_[k] = std::max(struck_[k], contacts_[r].time);
+      });
     }
     // Later ones do not undo it, which would take it back to where it was when they came.
     row.least = std::max(0.0, row.normal.dot(row.impulse));
@@ -230,9 +259,9 @@ springnet_status VerletPairs::fail() const {
 }
 
 springnet_status VerletPairs::separate(const springnet_sweep& step) {
-  const MovedNodes nodes = moved(step);
+  double turned = 0.0;  // m, by which clusters were off their straight paths
   for (int round = 0; round < max_pair_rounds; ++round) {
-    bool done = true;
+    bool done = turned <= tolerance_.accuracy;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       PairRow& row = rows_[r];
       if (row.is_done || row.is_blocked) continue;
@@ -253,16 +282,18 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
       finish_impacts(step);
       if (!find(step)) return SPRINGNET_OK;
     }
-    if (solve(rows_, nodes, h_, {tolerance_.accuracy, tolerance_.gap, pair_patience, most_pair_iterations}).residual >
-        tolerance_.gap)
-      return fail();
+    const PairAccuracy accuracy{tolerance_.accuracy, tolerance_.gap, pair_patience, most_pair_iterations};
+    if (solve(rows_, moved(step), h_, accuracy).residual > tolerance_.gap) return fail();
+    turned = 0.0;
+    if (const springnet_status status = clusters_.keep_lengths(step, turned); status != SPRINGNET_OK) return status;
   }
   return fail();
 }
 
 MovedNodes VerletPairs::moved(const springnet_sweep& step) const {
-  return {step.next_position, step.next_velocity, &mobility_, nullptr,
-          on_obstacles_.empty() ? nullptr : &on_obstacles_};
+  return {
+      step.next_position,   step.next_velocity, &mobility_, nullptr, on_obstacles_.empty() ? nullptr : &on_obstacles_,
+      clusters_.responses()};
 }
 
 // Those of the drift as it decided them, or as committed by the kick.
@@ -283,11 +314,12 @@ VerletContact::Pushes VerletPairs::pushes(const springnet_sweep& step) const {
     for (int i = 0; i < row.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const double share = row.weights[k] * mobility_[row.nodes[k]];
-      if (share == 0.0) continue;
+      if (share == 0.0 || model_.rigid.is_joined(row.nodes[k])) continue;
       VerletContact::Push& push = result[row.nodes[k]];
       push.velocity += share * row.impulse;
       push.shift += (row.lever - h_) * share * row.impulse;
     }
+  clusters_.add_pushes(rows_, result);
   // An impact may lead through a thin obstacle, on the other side of which the node would be free: no more of it than
   // leads into it.
   for (const auto& [k, on] : on_obstacles_) {
@@ -347,7 +379,12 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
   }
   if (const springnet_status status = constrain_others({}); status != SPRINGNET_OK) return status;
   note_obstacles(step, true);
+  if (clusters_.any()) clusters_.begin(step);
   if (!find(step)) return SPRINGNET_OK;
+  // Without obstacles, whose impulses depend on these.
+  std::vector<double> alone = mobility_;
+  for (std::uint32_t k = 0; k < n; ++k)
+    if (model_.rigid.is_joined(k)) alone[k] = 0.0;
   VerletContact::Pushes before;
   for (int round = 0; round < max_obstacle_rounds; ++round) {
     if (const springnet_status status = separate(step); status != SPRINGNET_OK) return status;
@@ -364,11 +401,18 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
     before = given;
     put_back(position, step.next_position);
     put_back(velocity, step.next_velocity);
-    const MovedNodes nodes{step.next_position, step.next_velocity, &mobility_};
+    const MovedNodes nodes{step.next_position, step.next_velocity, &alone};
     for (const PairRow& row : rows_) apply(row, row.impulse, nodes);
+    for (const auto& [node, push] : given) {
+      if (!model_.rigid.is_joined(node) || mobility_[node] == 0.0) continue;
+      put_vector(step.next_velocity, node, vector_at(step.next_velocity, node) + push.velocity);
+      put_vector(step.next_position, node, vector_at(step.next_position, node) + h_ * push.velocity + push.shift);
+    }
     if (const springnet_status status = constrain_others(given); status != SPRINGNET_OK) return status;
+    double turned = 0.0;
+    if (const springnet_status status = clusters_.keep_lengths(step, turned); status != SPRINGNET_OK) return status;
     note_obstacles(step, true);
-    for (PairRow& row : rows_) row.is_blocked = !set_mobility(row, moved(step));
+    renew_mobility(step);
   }
   return fail();
 }

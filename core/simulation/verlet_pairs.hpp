@@ -18,6 +18,7 @@
 #include "constraints/pair_rows.hpp"
 #include "simulation/model.hpp"
 #include "simulation/pair_ending.hpp"
+#include "simulation/verlet_clusters.hpp"
 #include "simulation/verlet_contact.hpp"
 
 namespace springnet {
@@ -60,6 +61,11 @@ class VerletPairs {
   void note_obstacles(const springnet_sweep& step, bool of_drift);
   [[nodiscard]] VerletContact::Pushes pushes(const springnet_sweep& step) const;
   [[nodiscard]] double gap(std::size_t row, const springnet_vectors& position) const;
+  // The clusters of a pair's nodes are to answer impulses on them from this share of the step on. Returns whether any
+  // did not.
+  bool strike(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, double share);
+  // What the rows can move, after that changed.
+  void renew_mobility(const springnet_sweep& step);
   // Impulses until no pair overlaps at the end of the step.
   springnet_status separate(const springnet_sweep& step);
   springnet_status fail() const;
@@ -69,6 +75,7 @@ class VerletPairs {
   bool kicked_ = false;
   PairTolerances tolerance_;
   std::vector<double> mobility_;  // [node] 1/kg
+  VerletClusters clusters_;
   std::vector<PairRow> rows_;
   std::vector<Contact> contacts_;  // [row]
   std::set<std::pair<proximity::PairKind, proximity::Pair>> known_;

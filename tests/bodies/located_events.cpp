@@ -184,23 +184,6 @@ TEST_CASE("the reference: the network comes to the same motion as its steps beco
   }
 }
 
-TEST_CASE("the reference refuses rigid bodies in contact, with what to do") {
-  Network net;
-  net.begin_body("rod");
-  net.add_node(point({0, 0, 0}, 1.0));
-  net.add_node(point({1, 0, 0}, 1.0));
-  net.end_body();
-  net.set_extent(0, 0.0, 0.1);
-  net.add_rigid(0, 1);
-  add_ball(net, "ball", {0, 0, 1}, at_rest, 1.0, 0.1);
-  touch_all(net, frictionless);
-  CHECK_THROWS_WITH_AS(simulate(net, reference(), 0.01),
-                       "integrator 'cvode' does not handle contact of bodies whose nodes have rigid connections, which "
-                       "this network has; use recurrent, leave such nodes out of [[contact]], or make stiff springs "
-                       "of the connections",
-                       Error);
-}
-
 TEST_CASE("the reference: a ball that bounces on a face comes to rest, and never sinks in") {
   // The times of flight are a geometric series: it rests at t = sqrt(2 h / g) (1 + e) / (1 - e).
   const double h = 0.3;

@@ -1,4 +1,5 @@
 // Bodies of rigidly connected nodes in contact: what strikes one node moves and turns them all.
+#define SPRINGNET_STATIC_PLUGIN rigid_bodies
 
 #include <doctest/doctest.h>
 
@@ -11,6 +12,7 @@
 
 #include <springnet/error.hpp>
 #include <springnet/events.hpp>
+#include <springnet/sdk/integrator.hpp>
 
 #include "bodies.hpp"
 #include "crossings.hpp"
@@ -117,11 +119,12 @@ void check_rest(const Network& net, const Simulation& s, int count) {
 struct Method {
   std::string name;
   LawUse integrator;
-  double theta;
+  double theta;  // 0.5: of second order
+  bool locates = false;
 };
-// Of the network every rule with both theta.
+// Of the network every rule with both theta; verlet; the reference.
 std::vector<Method> methods(double force_tolerance) {
-  std::vector<Method> result;
+  std::vector<Method> result{{"verlet", verlet, 0.5}, {"cvode", reference(1e-9), 0.5, true}};
   for (const std::string rule : update_rules)
     for (const double theta : {1.0, 0.5}) {
       const LawUse integrator = recurrent(update_named(rule), force_tolerance, {{"theta", theta}});
@@ -142,7 +145,19 @@ void advance_to_meeting(Simulation& s) {
   REQUIRE(s.events().front().kind == Event::Kind::met);
 }
 
+// Keeps bodies apart, but not those of rigidly connected nodes.
+class OfSpringsOnly : public sdk::Integrator {
+ public:
+  static constexpr const char* id = "of_springs_only";
+  static constexpr const char* summary = "for a test: never runs";
+  static constexpr bool keeps_bodies_apart = true;
+  OfSpringsOnly(sdk::Host, sdk::Options) {}
+  springnet_status advance(double, springnet_step_report&) { return SPRINGNET_FAILED; }
+};
+
 }  // namespace
+
+SPRINGNET_PLUGIN("test.bodies", "1.0.0", "springnet", "MIT", OfSpringsOnly);
 
 TEST_CASE("a ball that strikes a rigid body of nodes moves and turns it as rigid bodies do") {
   const double h = 1e-4;
@@ -361,10 +376,15 @@ TEST_CASE("what rests on a rigid frame presses through its connections") {
 
 TEST_CASE("an integrator that keeps only other bodies apart refuses rigid ones, with what to do") {
   const Strike scene = strike(frictionless, 0.0, Vector3::UnitX(), Vector3::Zero());
+  auto plugin_host = std::make_shared<PluginHost>(PluginHost::with_default_search());
+  REQUIRE(plugin_host->add(springnet_plugin_entry_rigid_bodies));
+  SimulationOptions options;
+  options.time_step = 1e-3;
+  options.integrator = {"of_springs_only", {}};
   CHECK_THROWS_WITH_AS(
-      simulate(scene.net, verlet, 1e-3),
-      "integrator 'verlet' does not handle contact of bodies whose nodes have rigid connections, which "
-      "this network has; use recurrent, leave such nodes out of [[contact]], or make stiff springs of "
-      "the connections",
+      Simulation(scene.net, plugin_host, options),
+      "integrator 'of_springs_only' does not handle contact of bodies whose nodes have rigid connections, which "
+      "this network has; use recurrent, verlet or cvode, leave such nodes out of [[contact]], or make stiff springs "
+      "of the connections",
       Error);
 }

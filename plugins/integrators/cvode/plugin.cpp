@@ -22,7 +22,7 @@ class Cvode : public Integrator {
       "ACM Transactions on Mathematical Software 31 (2005) 363-396";
   static constexpr bool integrates_states = true;
   static constexpr bool locates_events = true;
-  static constexpr bool keeps_bodies_apart = true;
+  static constexpr bool keeps_bodies_apart = true, keeps_rigid_bodies_apart = true;
   static constexpr bool chooses_steps = true;
   static constexpr Parameter parameters[] = {
       choice("method", {"bdf", "adams"}, "backward differentiation for stiff networks, or Adams-Moulton"),

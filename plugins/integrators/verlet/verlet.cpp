@@ -52,7 +52,7 @@ class Verlet : public Integrator {
   static constexpr const char* reference =
       "Swope, Andersen, Berens, Wilson, Journal of Chemical Physics 76 (1982) 637-649";
   static constexpr bool integrates_states = true;
-  static constexpr bool keeps_bodies_apart = true;
+  static constexpr bool keeps_bodies_apart = true, keeps_rigid_bodies_apart = true;
   static constexpr Parameter parameters[] = {
       integer("substeps", "equal steps within a time step").preset(1).at_least(1).at_most(1e9)};
 

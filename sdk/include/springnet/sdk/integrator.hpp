@@ -25,7 +25,7 @@
 //
 // and is refused where there is any if it does not. In the same way one that keeps bodies apart from each other
 // declares keeps_bodies_apart, and keeps_rigid_bodies_apart if their nodes may have rigid connections;
-// springnet_host::constrain does the work in a step of velocity Verlet, without these. More that it may declare, for
+// springnet_host::constrain does the work in a step of velocity Verlet. More that it may declare, for
 // `plugin show`: locates_events, chooses_steps; without_contact and without_rigid, where the host then refuses such
 // networks. And more members, each optional:
 //
