@@ -173,26 +173,22 @@ bool VerletPairs::find(const springnet_sweep& step) {
     throw Diverged{error.what()};
   }
   const proximity::Primitives& all = bodies.primitives();
-  const unsigned threads = model_.evaluator.threads();
-  proximity::find_near(all, bodies.list().close(0.0), end, 0.0, near_, threads);
-  proximity::find_meetings(all, bodies.list().close(0.0), start, end, met_, threads);
-  if (near_.empty() && met_.empty() && bodies.touching().empty()) return false;
-  if (gained_.values.empty()) {
+  const auto know_gained = [&] {
+    if (!gained_.values.empty()) return;
     gained_.values.resize(3 * n);
     const springnet_vectors gained = gained_.vectors();
     for (std::uint32_t k = 0; k < n; ++k)
       put_vector(gained, k, vector_at(step.next_velocity, k) - vector_at(step.start_velocity, k));
-  }
-  const std::size_t before = rows_.size();
-  const auto from_start = [&](proximity::PairKind kind, proximity::Pair pair) {
-    add(step, kind, pair, separation(kind, all.corners(kind, pair, start)), 0.0, false);
   };
-  if (known_.empty()) {
+  const std::size_t before = rows_.size();
+  // What touches already comes first: without its impulses bodies would sink into what is beside it.
+  if (known_.empty() && !bodies.touching().empty()) {
+    know_gained();
     for (const PairTouch& touch : bodies.touching()) strike(step, touch.kind, touch.pair, 0.0);
     clusters_.renew();
     for (const PairTouch& touch : bodies.touching()) {
       const std::size_t row_count = rows_.size();
-      from_start(touch.kind, touch.pair);
+      add(step, touch.kind, touch.pair, separation(touch.kind, all.corners(touch.kind, touch.pair, start)), 0.0, false);
       if (rows_.size() == row_count) continue;
       // Begins with the force of the last step, so that what rests stays where it is.
       PairRow& row = rows_.back();
@@ -200,7 +196,13 @@ bool VerletPairs::find(const springnet_sweep& step) {
       row.impulse = 0.5 * h_ * (touch.guess + (std::max(0.0, along) - along) * row.normal);
       apply(row, row.impulse, moved(step));
     }
+    if (!rows_.empty()) return true;
   }
+  const unsigned threads = model_.evaluator.threads();
+  proximity::find_near(all, bodies.list().close(0.0), end, 0.0, near_, threads);
+  proximity::find_meetings(all, bodies.list().close(0.0), start, end, met_, threads);
+  if (near_.empty() && met_.empty()) return false;
+  know_gained();
   add_met(step, start, end);
   // What begins so near that it counts as touching.
   for (const proximity::NearPair& each : near_) {
