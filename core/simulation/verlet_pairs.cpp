@@ -105,6 +105,7 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
     const double falls = 2.0 * std::max(0.0, -row.normal.dot(relative(row, gained_.vectors())));
     row.lever = std::max(least_lever, 1.0 - share) * h_;
     contact.is_impact = true;
+    contact.is_fast = came > std::max(falls, tolerance_.gap / h_);
     // A rebound slower than the fall within the step ends in contact, and so do many after each other.
     contact.bounces = rounds_ < max_bounce_rounds && restitution * came > std::max(falls, tolerance_.gap / h_);
     if (contact.bounces) row.value = -restitution * came;
@@ -212,14 +213,62 @@ bool VerletPairs::find(const springnet_sweep& step) {
                                 all.thickness(each.kind, each.pair), {0.0, separation(each.kind, from)});
     if (meeting) add(step, each.kind, each.pair, meeting->at, meeting->time, true);
   }
+  pass_on(step, before, start, end);
   return rows_.size() > before;
+}
+
+void VerletPairs::pass_on(const springnet_sweep& step, std::size_t first_impact, const proximity::Positions& start,
+                          const proximity::Positions& end) {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const std::size_t count = rows_.size();
+  for (std::size_t r = first_impact; r < count; ++r) {
+    if (!contacts_[r].is_fast) continue;
+    std::set<std::uint32_t> struck;
+    const auto strike_nodes = [&](const PairRow& row) {
+      for (int i = 0; i < row.count; ++i)
+        if (const std::uint32_t node = row.nodes[static_cast<std::size_t>(i)]; mobility_[node] > 0.0)
+          clusters_.for_each_moved(node, [&](std::uint32_t k) { struck.insert(k); });
+    };
+    const auto is_struck = [&](const PairRow& row) {
+      return std::any_of(row.nodes.begin(), row.nodes.begin() + row.count,
+                         [&](std::uint32_t node) { return mobility_[node] > 0.0 && struck.contains(node); });
+    };
+    strike_nodes(rows_[r]);
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t q = 0; q < rows_.size(); ++q) {
+        const bool is_later = rows_[q].lever <= rows_[r].lever * (1.0 + simultaneous);
+        if (rows_[q].is_done || rows_[q].is_blocked || is_later || !is_struck(rows_[q])) continue;
+        more = true;
+        const double time = contacts_[r].time;
+        std::array<Vector3, 4> now = bodies.primitives().corners(rows_[q].kind, rows_[q].pair, start);
+        const std::array<Vector3, 4> after = bodies.primitives().corners(rows_[q].kind, rows_[q].pair, end);
+        for (std::size_t k = 0; k < 4; ++k) now[k] += time * (after[k] - now[k]);
+        PairRow row = row_of(bodies, rows_[q].kind, rows_[q].pair, separation(rows_[q].kind, now));
+        rows_[q].is_done = true;
+        strike_nodes(row);
+        if (!set_mobility(row, moved(step))) continue;
+        row.lever = rows_[r].lever;
+        row.by_rate = true;
+        // It may take back what the rest of the step would have had of the impulse before.
+        row.least = -(1.0 - time) * std::max(0.0, rows_[q].normal.dot(rows_[q].impulse));
+        Contact contact = contacts_[q];
+        contact.side = row.normal;
+        contact.time = time;
+        contact.bounces = contact.is_fast = false;
+        contact.is_impact = contact.passes_on = true;
+        rows_.push_back(row);
+        contacts_.push_back(contact);
+      }
+    }
+  }
 }
 
 // Impacts are over: those that bounce keep their impulses, and nodes go on along other paths.
 void VerletPairs::finish_impacts(const springnet_sweep& step) {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     PairRow& row = rows_[r];
-    if (!contacts_[r].is_impact || row.is_done) continue;
+    if (!contacts_[r].is_impact || row.is_done || (contacts_[r].passes_on && row.impulse.isZero(0.0))) continue;
     if (start_[0].empty()) {
       const std::size_t n = model_.node_count();
       start_[0].assign(step.start_position.x, step.start_position.x + n);
@@ -236,7 +285,7 @@ void VerletPairs::finish_impacts(const springnet_sweep& step) {
       });
     }
     // Later ones do not undo it, which would take it back to where it was when they came.
-    row.least = std::max(0.0, row.normal.dot(row.impulse));
+    row.least = std::max(row.least, row.normal.dot(row.impulse));
     if (!contacts_[r].bounces) continue;
     row.is_done = true;
     known_.erase(std::pair(row.kind, row.pair));
@@ -276,7 +325,7 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
         continue;
       }
       row.value = now - row.normal.dot(relative(row, step.next_position));
-      const bool pushes = row.normal.dot(row.impulse) > (1.0 + 1e-12) * row.least;
+      const bool pushes = row.normal.dot(row.impulse) > row.least + 1e-12 * std::abs(row.least);
       done = done && (pushes ? std::abs(now) <= tolerance_.gap : now >= -tolerance_.gap);
     }
     // Friction has no say in gaps: it needs an iteration of its own.

@@ -41,11 +41,13 @@ class VerletPairs {
 
  private:
   struct Contact {
-    Vector3 side;      // direction of the pair while it has not gone through
-    double thickness;  // m
-    double time;       // when they met, as a share of the step
-    bool is_impact;    // they met within the step
-    bool bounces;      // and fly apart
+    Vector3 side;            // direction of the pair while it has not gone through
+    double thickness;        // m
+    double time;             // when they met, as a share of the step
+    bool is_impact;          // they met within the step
+    bool bounces;            // and fly apart
+    bool is_fast = false;    // faster than forces are within a step
+    bool passes_on = false;  // or they touched before, and pass on an impact of others
   };
 
   // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
@@ -55,6 +57,10 @@ class VerletPairs {
            double share, bool is_new);
   // Adds rows of pairs that met_ has: of each node the first.
   void add_met(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
+  // Rows of pairs that touched before these impacts, and pass them on when they happen: what they gave before acted
+  // from then on.
+  void pass_on(const springnet_sweep& step, std::size_t first_impact, const proximity::Positions& start,
+               const proximity::Positions& end);
   void finish_impacts(const springnet_sweep& step);
   springnet_status keep_apart(const springnet_sweep& step, const ConstrainOthers& constrain_others);
   [[nodiscard]] MovedNodes moved(const springnet_sweep& step) const;
