@@ -211,6 +211,9 @@ PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double l
       apply(rows[r], more, nodes);
     }
   }
+  // Comparisons with what is not a number would take it for a solution.
+  for (const PairRow& row : rows)
+    if (!row.impulse.allFinite()) found.residual = std::numeric_limits<double>::infinity();
   return found;
 }
 

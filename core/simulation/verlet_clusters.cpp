@@ -100,6 +100,14 @@ springnet_status VerletClusters::keep_lengths(const springnet_sweep& step, doubl
   return SPRINGNET_OK;
 }
 
+std::vector<Touch> VerletClusters::touches() const {
+  std::vector<Touch> result;
+  for (std::size_t c = 0; c < clusters_.size(); ++c)
+    if (clusters_[c].is_struck)
+      for (const std::uint32_t k : model_.rigid.nodes_of(c)) result.push_back(model_.contact.now(k));
+  return result;
+}
+
 void VerletClusters::add_pushes(const std::vector<PairRow>& rows, VerletContact::Pushes& pushes) const {
   // N s and N s^2 on each struck node.
   std::map<std::uint32_t, std::map<std::uint32_t, VerletContact::Push>> given;  // [cluster][node]

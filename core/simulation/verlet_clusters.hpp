@@ -44,6 +44,8 @@ class VerletClusters {
   springnet_status keep_lengths(const springnet_sweep& step, double& moved) const;
   // Adds what the impulses of these rows give the nodes of clusters without obstacles.
   void add_pushes(const std::vector<PairRow>& rows, VerletContact::Pushes& pushes) const;
+  // Which obstacles the nodes of struck clusters are on now, and how.
+  [[nodiscard]] std::vector<Touch> touches() const;
   // use(node): of a node alone, or of all nodes of its cluster, those that can move.
   template <class Use>
   void for_each_moved(std::uint32_t node, const Use& use) const {

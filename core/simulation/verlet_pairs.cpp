@@ -28,6 +28,7 @@ struct Diverged {
 
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
+constexpr int max_reopened = 20;       // rounds of obstacles that change what they hold of rigid bodies
 constexpr int max_bounce_rounds = 50;  // rounds of impacts within a step after which they are inelastic
 constexpr double simultaneous = 1e-9;  // share of the step within which impacts are at the same time
 // A pair that meets at the very end of a step: impulses of the kick stop it.
@@ -255,6 +256,7 @@ void VerletPairs::pass_on(const springnet_sweep& step, std::size_t first_impact,
         Contact contact = contacts_[q];
         contact.side = row.normal;
         contact.time = time;
+        contact.least = row.least;
         contact.bounces = contact.is_fast = false;
         contact.is_impact = contact.passes_on = true;
         rows_.push_back(row);
@@ -289,6 +291,15 @@ void VerletPairs::finish_impacts(const springnet_sweep& step) {
     if (!contacts_[r].bounces) continue;
     row.is_done = true;
     known_.erase(std::pair(row.kind, row.pair));
+  }
+}
+
+void VerletPairs::reopen_impacts() {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    if (!contacts_[r].is_impact || (rows_[r].is_done && !contacts_[r].bounces)) continue;
+    rows_[r].least = contacts_[r].least;
+    rows_[r].is_done = false;
+    known_.emplace(rows_[r].kind, rows_[r].pair);
   }
 }
 
@@ -459,7 +470,9 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
       put_vector(step.next_velocity, node, vector_at(step.next_velocity, node) + push.velocity);
       put_vector(step.next_position, node, vector_at(step.next_position, node) + h_ * push.velocity + push.shift);
     }
+    const std::vector<Touch> held = clusters_.touches();
     if (const springnet_status status = constrain_others(given); status != SPRINGNET_OK) return status;
+    if (round < max_reopened && clusters_.touches() != held) reopen_impacts();
     double turned = 0.0;
     if (const springnet_status status = clusters_.keep_lengths(step, turned); status != SPRINGNET_OK) return status;
     note_obstacles(step, true);

@@ -48,6 +48,7 @@ class VerletPairs {
     bool bounces;            // and fly apart
     bool is_fast = false;    // faster than forces are within a step
     bool passes_on = false;  // or they touched before, and pass on an impact of others
+    double least = 0.0;      // N s, along the normal, while impacts of its time are being found
   };
 
   // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
@@ -62,6 +63,8 @@ class VerletPairs {
   void pass_on(const springnet_sweep& step, std::size_t first_impact, const proximity::Positions& start,
                const proximity::Positions& end);
   void finish_impacts(const springnet_sweep& step);
+  // They were found with obstacles that hold rigid bodies otherwise than these now do.
+  void reopen_impacts();
   springnet_status keep_apart(const springnet_sweep& step, const ConstrainOthers& constrain_others);
   [[nodiscard]] MovedNodes moved(const springnet_sweep& step) const;
   void note_obstacles(const springnet_sweep& step, bool of_drift);

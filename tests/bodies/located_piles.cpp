@@ -36,9 +36,9 @@ TEST_CASE("the reference: soft blocks that fall onto each other rock, stick and 
       CHECK(now <= energy + 1e-7);
       energy = now;
       REQUIRE(count_crossings(net, s) == 0);
-      // Steps of `verlet` take impacts, at 1 m/s, to be somewhere in them: 2e-5 m.
+      // Steps of `verlet` take impacts, at 1 m/s, to be somewhere in them: 2e-5 m each, of which several follow.
       for (const NodeIndex first : {0u, 27u})
-        CHECK(std::abs(mean_height(s, first, 27) - mean_height(explicit_steps, first, 27)) <= 5e-5);
+        CHECK(std::abs(mean_height(s, first, 27) - mean_height(explicit_steps, first, 27)) <= 8e-5);
     }
     // They meet at 0.08 s. Forces that alternate between pairs take at least five times as many.
     CHECK(s.statistics().at("restarts") <= (mu > 0.0 ? 4000.0 : 1000.0));
