@@ -32,6 +32,7 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     if (j < 0) continue;
     sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j)});
     if (contact.braced(k)) sources_.back().offset = beyond_brace(sources_.back(), at);
+    if (!contact.braced(k) && is_pushed_cluster(k)) sources_.back().offset = beyond_release(sources_.back(), at);
     if (touch.slides && !contact.obstacles()[static_cast<std::size_t>(j)].is_plane())
       sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
     const double mu = model_.constraints.coefficient(k, static_cast<std::size_t>(j));
@@ -61,6 +62,11 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     const double behind = -contact.gap(now, j, vector_at(model_.state.view.position, k));
     sources_.push_back({Kind::touch, k, static_cast<std::uint32_t>(j), tolerance + 4.0 * std::max(0.0, behind)});
   }
+}
+
+bool ContactEvents::is_pushed_cluster(std::uint32_t node) const {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  return model_.rigid.is_joined(node) && bodies.located() && !bodies.touching().empty();
 }
 
 springnet_status ContactEvents::separating_acceleration(const Source& source, const ReactionsAt& at,
@@ -151,7 +157,8 @@ springnet_status ContactEvents::value(const Source& source, ReactionsAt& reactio
     if (j == source.surface) value = -split.normal[i];
     limit += friction_limit(model_.constraints.coefficient(k, j), split.normal[i]);
   }
-  if (source.kind == Kind::slip) value = limit - split.tangential.norm() + source.offset;
+  if (source.kind == Kind::slip) value = limit - split.tangential.norm();
+  value += source.offset;
   return SPRINGNET_OK;
 }
 
@@ -275,6 +282,7 @@ springnet_status ContactEvents::fire(double time, State& state, const std::int32
         break;
       case Kind::release:
         findings.nodes[k].released.push_back(static_cast<std::int32_t>(source.surface));
+        if (is_pushed_cluster(k)) model_.changed();  // the offset follows the forces
         break;
       case Kind::slip:
         findings.nodes[k].slips = true;

@@ -91,7 +91,9 @@ class ContactEvents {
   springnet_status separating_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const Source& slip, AtCommitted& at) const;        // N
   [[nodiscard]] double beyond_brace(const Source& release, AtCommitted& at) const;    // m/s^2
-  [[nodiscard]] double beyond_release(const Source& release, AtCommitted& at) const;  // N, of a pair
+  [[nodiscard]] double beyond_release(const Source& release, AtCommitted& at) const;  // N
+  // Rigidly connected, while bodies touch: its reaction is not unique.
+  [[nodiscard]] bool is_pushed_cluster(std::uint32_t node) const;
   [[nodiscard]] bool is_impacting(const Source& touch, const Placement& at, const State& state, double tolerance) const;
 
   Model& model_;

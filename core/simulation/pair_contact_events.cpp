@@ -41,11 +41,11 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
   }
 }
 
-// Of faces on faces the smallest forces may pull a pair a little; with this offset it is released once they pull twice
-// as much.
+// Of faces on faces, and of the feet of a rigid body, the smallest forces may pull a little where others would not;
+// with this offset it is released once they pull twice as much.
 double ContactEvents::beyond_release(const Source& source, AtCommitted& at) const {
   double pulling = 0.0;
-  if (pair_value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return 0.0;
+  if (value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return 0.0;
   return -2.0 * pulling - rounding_of_force * model_.scales.force;
 }
 
@@ -106,6 +106,7 @@ void ContactEvents::find_pair(const Source& source, double time, const State& st
   switch (source.kind) {
     case Kind::release:
       finding().released = true;
+      model_.changed();  // the offset follows the forces
       break;
     case Kind::slip:
       finding().slips = true;
