@@ -10,12 +10,11 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <vector>
 
+#include "constraints/body_contacts.hpp"
 #include "constraints/cluster_responses.hpp"
 #include "constraints/pair_rows.hpp"
-#include "proximity/primitives.hpp"
 #include "simulation/model.hpp"
 #include "simulation/verlet_contact.hpp"
 
