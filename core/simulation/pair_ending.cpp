@@ -16,7 +16,6 @@ namespace springnet {
 namespace {
 
 constexpr double accuracy_share = 1e-5;  // of the tolerance of gaps: most have it soon
-constexpr double same_direction = 1e-6;  // 1 less the cosine: faces that go on in each other
 
 void record(Model& model, Event::Kind kind, const PairRow& row, const PairEnding& step, const Vector3& impulse) {
   PairMotion pair;
@@ -41,39 +40,6 @@ ClusterResponses clusters_of(const Model& model, const PairEnding& step, const s
   result.set(model.rigid, *model.placement(step.until), read_only(step.nodes.position), {struck.begin(), struck.end()},
              [&](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model.mass[node]; });
   return result;
-}
-
-// A node that presses on a face and slides over its border presses on the next one, if that goes on in its plane: the
-// impulse within the step is that of both.
-void hand_over(const Model& model, const proximity::Positions& end, const std::vector<proximity::NearPair>& near,
-               EndingPairs& pairs) {
-  const BodyContacts& bodies = model.constraints.bodies();
-  const proximity::Primitives& all = bodies.primitives();
-  std::map<std::uint32_t, std::vector<EndingPair*>> left;  // [node]
-  for (auto& [key, pair] : pairs) {
-    const auto& [kind, primitives] = key;
-    if (kind != proximity::PairKind::node_triangle || !(pair.row.normal.dot(pair.impulse) > 0.0)) continue;
-    const proximity::Separation now = separation(kind, all.corners(kind, primitives, end));
-    if (std::any_of(now.weights.begin() + 1, now.weights.end(), [](double weight) { return weight == 0.0; }))
-      left[pair.row.nodes[0]].push_back(&pair);
-  }
-  if (left.empty()) return;
-  for (const proximity::NearPair& each : near) {
-    if (each.kind != proximity::PairKind::node_triangle) continue;
-    const auto found = left.find(all.nodes_of(each.kind, each.pair)[0]);
-    if (found == left.end()) continue;
-    const auto& weights = each.separation.weights;
-    if (std::any_of(weights.begin() + 1, weights.end(), [](double weight) { return weight == 0.0; })) continue;
-    for (EndingPair* const before : found->second) {
-      if (before->row.normal.dot(each.separation.direction) < 1.0 - same_direction || before->impulse.isZero(0.0))
-        continue;
-      EndingPair& pair = pairs[std::pair(each.kind, each.pair)];
-      pair.row = row_of(bodies, each.kind, each.pair, each.separation);
-      pair.impulse += before->impulse;
-      pair.goes_on = true;
-      before->impulse.setZero();
-    }
-  }
 }
 
 }  // namespace
@@ -134,7 +100,6 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   }
   proximity::find_near(all, bodies.list().close(2.0 * tolerance.gap), end, 2.0 * tolerance.gap, near,
                        model.evaluator.threads());
-  hand_over(model, end, near, pairs);
   const ClusterResponses clusters = clusters_of(model, step, near);
   if (clusters.any()) nodes.clusters = &clusters;
   std::vector<PairRow> rows;
@@ -156,7 +121,7 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
     row.value = -ending.rebound;
     // As before, if it rests. Else, at theta < 1, keeping a pair apart takes more impulse than stopping it; the excess
     // may be taken back.
-    if ((ending.touched || ending.goes_on) && step.in_halves) row.impulse = ending.impulse;
+    if (ending.touched && step.in_halves) row.impulse = ending.impulse;
     if (!step.in_halves) row.least = -std::max(0.0, row.normal.dot(ending.impulse));
     apply(row, row.impulse, nodes);
     rows.push_back(row);

@@ -38,7 +38,6 @@ struct EndingPair {
   Vector3 impulse = Vector3::Zero();  // N s, within the step
   bool bounced = false;               // within it
   bool touched = false;               // at its start
-  bool goes_on = false;               // the contact of another pair, which slid over a border onto this one
   double rebound = 0.0;               // m/s, at which they fly apart
 };
 using EndingPairs = std::map<std::pair<proximity::PairKind, proximity::Pair>, EndingPair>;

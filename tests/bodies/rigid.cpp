@@ -247,17 +247,24 @@ TEST_CASE("a rigid block on an incline sticks below the angle of friction, and s
       touch(net, 0, 1, {Friction::Kind::coulomb, mu});
       net.set_gravity(g * Vector3(std::sin(angle), 0, -std::cos(angle)));
       Simulation s = simulate(net, method.integrator, h);
-      advance(s, 100);
       const double a = std::max(0.0, g * (std::sin(angle) - mu * std::cos(angle)));
+      const auto force_error = [&] {
+        Vector3 force = Vector3::Zero();
+        for (const BodyTouch& each : s.body_touches()) force += (each.nodes[0] >= first ? 1.0 : -1.0) * each.force;
+        return (force - 8.0 * mass * (Vector3(a, 0, 0) - net.gravity())).norm();
+      };
+      for (int i = 0; i < 100; ++i) {
+        s.step();
+        // Also where corners slide from face to face.
+        if (method.name == "verlet" && i > 1) CHECK(force_error() <= 1e-3);
+      }
       const double path = 0.5 * a * time * (time + (2.0 * method.theta - 1.0) * h);  // h: at theta 1 the method's error
       for (NodeIndex k = first; k < first + 8; ++k) {
         CAPTURE(k);
         CHECK((s.position(k) - net.nodes()[k].position - path * Vector3::UnitX()).norm() <= 1e-5);
         CHECK((s.velocity(k) - a * Vector3::UnitX() * time).norm() <= 1e-4);
       }
-      Vector3 force = Vector3::Zero();
-      for (const BodyTouch& each : s.body_touches()) force += (each.nodes[0] >= first ? 1.0 : -1.0) * each.force;
-      CHECK((force - 8.0 * mass * (Vector3(a, 0, 0) - net.gravity())).norm() <= 1e-3);
+      CHECK(force_error() <= 1e-3);
     }
   }
 }
