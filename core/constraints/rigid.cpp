@@ -28,6 +28,10 @@ Vector3 direction(const Vector3& first, const Vector3& second) {
   return length > 0.0 ? Vector3(d / length) : Vector3::UnitX();
 }
 
+ConstraintRow row_along(const RigidConnections::Rod& rod, const springnet_const_vectors& position) {
+  return {rod.first, rod.second, direction(vector_at(position, rod.first), vector_at(position, rod.second))};
+}
+
 }  // namespace
 
 RigidConnections::RigidConnections(const Network& network, const std::vector<std::uint32_t>& user_number,
@@ -429,16 +433,13 @@ Eigen::MatrixXd RigidConnections::response(const Placement& at, std::size_t numb
 
 void RigidConnections::add_rows(std::size_t cluster, const springnet_const_vectors& position,
                                 std::vector<ConstraintRow>& rows) const {
-  for (const std::uint32_t r : clusters_[cluster].rods)
-    rows.push_back({rods_[r].first, rods_[r].second,
-                    direction(vector_at(position, rods_[r].first), vector_at(position, rods_[r].second))});
+  for (const std::uint32_t r : clusters_[cluster].rods) rows.push_back(row_along(rods_[r], position));
 }
 
 std::vector<ConstraintRow> RigidConnections::rows(const springnet_const_vectors& position) const {
   std::vector<ConstraintRow> rows;
   rows.reserve(rods_.size());
-  for (const Rod& rod : rods_)
-    rows.push_back({rod.first, rod.second, direction(vector_at(position, rod.first), vector_at(position, rod.second))});
+  for (const Rod& rod : rods_) rows.push_back(row_along(rod, position));
   return rows;
 }
 

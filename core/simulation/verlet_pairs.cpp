@@ -443,9 +443,9 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
   note_obstacles(step, true);
   if (clusters_.any()) clusters_.begin(step);
   if (!find(step)) return SPRINGNET_OK;
-  // Without obstacles, whose impulses depend on these.
-  std::vector<double> alone = mobility_;
-  for (std::uint32_t k = 0; k < n; ++k)
+  std::vector<double> alone;  // mobility_ of nodes without rigid connections
+  if (others) alone = mobility_;
+  for (std::uint32_t k = 0; others && clusters_.any() && k < n; ++k)
     if (model_.rigid.is_joined(k)) alone[k] = 0.0;
   VerletContact::Pushes before;
   for (int round = 0; round < max_obstacle_rounds; ++round) {

@@ -48,7 +48,7 @@ class VerletPairs {
     bool bounces;            // and fly apart
     bool is_fast = false;    // faster than forces are within a step
     bool passes_on = false;  // or they touched before, and pass on an impact of others
-    double least = 0.0;      // N s, along the normal, while impacts of its time are being found
+    double least = 0.0;      // N s, along the normal: that of the row until its impact is over
   };
 
   // Adds rows of pairs that touch or overlap on the way to these positions and have none. Returns whether there are
@@ -58,12 +58,12 @@ class VerletPairs {
            double share, bool is_new);
   // Adds rows of pairs that met_ has: of each node the first.
   void add_met(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
-  // Rows of pairs that touched before these impacts, and pass them on when they happen: what they gave before acted
-  // from then on.
+  // Adds rows of pairs that touched before these impacts and pass them on when they happen. Their first rows keep the
+  // impulses that they have.
   void pass_on(const springnet_sweep& step, std::size_t first_impact, const proximity::Positions& start,
                const proximity::Positions& end);
   void finish_impacts(const springnet_sweep& step);
-  // They were found with obstacles that hold rigid bodies otherwise than these now do.
+  // Obstacles have taken hold of rigid bodies, or let them go: impacts are to be found again.
   void reopen_impacts();
   springnet_status keep_apart(const springnet_sweep& step, const ConstrainOthers& constrain_others);
   [[nodiscard]] MovedNodes moved(const springnet_sweep& step) const;
