@@ -12,7 +12,8 @@ void ClusterResponses::clear() {
 }
 
 void ClusterResponses::set(const RigidConnections& rigid, const Placement& at, const springnet_const_vectors& position,
-                           const std::vector<std::uint32_t>& struck, const ConstraintSystem::Mobility& free) {
+                           const std::vector<std::uint32_t>& struck, const ConstraintSystem::Mobility& free,
+                           const std::set<std::uint32_t>& loose) {
   clear();
   const std::uint32_t* const cluster_of = rigid.cluster_of();
   if (cluster_of == nullptr) return;
@@ -21,7 +22,8 @@ void ClusterResponses::set(const RigidConnections& rigid, const Placement& at, c
     if (cluster_of[k] != none) of_cluster[cluster_of[k]].push_back(k);
   for (auto& [number, nodes] : of_cluster) {
     std::sort(nodes.begin(), nodes.end());  // whatever the order in which pairs were found
-    clusters_.push_back({number, rigid.nodes_of(number), nodes, rigid.response(at, number, position, nodes, free)});
+    clusters_.push_back({number, rigid.nodes_of(number), nodes,
+                         rigid.response(at, number, position, nodes, free, !loose.contains(number))});
     const std::vector<std::uint32_t>& all = clusters_.back().nodes;
     for (std::size_t j = 0; j < nodes.size(); ++j) {
       if (places_.size() <= nodes[j]) places_.resize(nodes[j] + std::size_t{1});

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,9 +31,11 @@ class ClusterResponses {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   void clear();
-  // Of the clusters that have some of these nodes, at these positions (m): see RigidConnections::response.
+  // Of the clusters that have some of these nodes, at these positions (m): see RigidConnections::response. loose:
+  // clusters that answer as if no obstacles held them.
   void set(const RigidConnections& rigid, const Placement& at, const springnet_const_vectors& position,
-           const std::vector<std::uint32_t>& struck, const ConstraintSystem::Mobility& free);
+           const std::vector<std::uint32_t>& struck, const ConstraintSystem::Mobility& free,
+           const std::set<std::uint32_t>& loose = {});
 
   [[nodiscard]] const std::vector<Cluster>& clusters() const noexcept { return clusters_; }
   [[nodiscard]] bool any() const noexcept { return !clusters_.empty(); }

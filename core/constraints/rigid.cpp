@@ -397,13 +397,13 @@ double RigidConnections::max_length_rate(const springnet_const_vectors& position
 Eigen::MatrixXd RigidConnections::response(const Placement& at, std::size_t number,
                                            const springnet_const_vectors& position,
                                            const std::vector<std::uint32_t>& struck,
-                                           const ConstraintSystem::Mobility& free) const {
+                                           const ConstraintSystem::Mobility& free, bool with_obstacles) const {
   const Cluster& cluster = clusters_[number];
   std::vector<Vector3> positions;
   std::vector<Touch> touches;
   for (const std::uint32_t k : cluster.nodes) {
     positions.push_back(vector_at(position, k));
-    touches.push_back(contact_.now(k));
+    touches.push_back(with_obstacles ? contact_.now(k) : Touch());
   }
   const auto mobility = [&](std::uint32_t node) {
     const Touch& touch = touches[member_of_[node]];

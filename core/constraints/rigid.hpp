@@ -113,12 +113,12 @@ class RigidConnections {
       use((vector_at(position, rods_[r].first) - vector_at(position, rods_[r].second)).norm() - rods_[r].length);
   }
   // How a cluster answers impulses on some of its nodes, `struck`, 1/kg: three rows a node of the cluster, three
-  // columns a struck one. Nodes on obstacles stay on them, and slide or stick as they do now. free: of nodes that
-  // can move, 1/kg.
+  // columns a struck one. Nodes on obstacles stay on them, and slide or stick as they do now, unless they answer as if
+  // there were none. free: of nodes that can move, 1/kg.
   [[nodiscard]] Eigen::MatrixXd response(const Placement& at, std::size_t cluster,
                                          const springnet_const_vectors& position,
                                          const std::vector<std::uint32_t>& struck,
-                                         const ConstraintSystem::Mobility& free) const;
+                                         const ConstraintSystem::Mobility& free, bool with_obstacles = true) const;
   // Whether a node has rigid connections.
   [[nodiscard]] bool is_joined(std::uint32_t node) const noexcept {
     return !cluster_of_.empty() && cluster_of_[node] != ConstraintRow::no_node;

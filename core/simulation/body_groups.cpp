@@ -27,7 +27,8 @@ std::vector<BodyGroup> body_groups(const Model& model, const std::vector<PairMot
     for (std::size_t j = 0; j < pairs[i].count; ++j) {
       const std::uint32_t k = pairs[i].nodes[j];
       own(k, i);
-      if (!model.rigid.is_joined(k)) continue;
+      // What is fixed takes nothing of an impulse on it to its cluster.
+      if (fixed[k] != 0 || !model.rigid.is_joined(k)) continue;
       for (const std::uint32_t joined : model.rigid.nodes_of(model.rigid.cluster_of()[k])) own(joined, i);
     }
   std::vector<BodyGroup> groups;

@@ -93,16 +93,20 @@ bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, cons
   const proximity::Separation first = separation(pair.kind, start), last = separation(pair.kind, end);
   if (first.distance <= reach) return false;  // it is inside already
   if (last.distance <= reach) return true;
-  for (const Vector3& n0 : {first.direction, last.direction}) {
-    double before = std::numeric_limits<double>::infinity(), after = before, bend = 0.0;
+  const auto is_beyond = [&](const Vector3& n0, const Vector3& n1) {
+    double least = std::numeric_limits<double>::infinity(), turn = 0.0, bend = 0.0;
     for_each_between(ends, [&](std::size_t i, std::size_t j) {
-      before = std::min(before, n0.dot(start[i] - start[j]));
-      after = std::min(after, n0.dot(end[i] - end[j]));
-      bend = std::max(bend, bend_of(std::abs(n0.dot(bent0[i] - bent0[j])), std::abs(n0.dot(bent1[i] - bent1[j]))));
+      const Vector3 before = start[i] - start[j], after = end[i] - end[j];
+      least = std::min({least, n0.dot(before), n1.dot(after)});
+      turn = std::max(turn, 0.25 * (n1 - n0).dot(after - before));
+      for (const Vector3& along : {n0, n1})
+        bend =
+            std::max(bend, bend_of(std::abs(along.dot(bent0[i] - bent0[j])), std::abs(along.dot(bent1[i] - bent1[j]))));
     });
-    if (std::min(before, after) - bend > reach) return false;
-  }
-  return true;
+    return least - turn - bend > reach;
+  };
+  return !is_beyond(first.direction, first.direction) && !is_beyond(last.direction, last.direction) &&
+         !is_beyond(first.direction, last.direction);
 }
 
 std::optional<double> BodyImpactSearch::first(const Instant& from, const Instant& until,

@@ -1,9 +1,12 @@
 // Continuous collision detection of bodies within a step with dense output: the time at which a pair that does not
 // touch first does, even if it has separated again by the end.
 //
-// With a fixed direction n the distance of a pair is at least the least n.(a - b) of a node a of its first and a node b
-// of its second primitive, and equal to it where n is the pair's direction. Between two times it is at least the lesser
-// of its values at both, less the bend of the paths. Where that does not exclude a touch, the time between is halved.
+// With any direction n, |n| <= 1, the distance of a pair is at least the least n.(a - b) of a node a of its first and a
+// node b of its second primitive, and equal to it where n is the pair's direction. If n goes from n0 to n1 on a
+// straight line between two times, as x = a - b does but for its bend, then n.x is at least the lesser of n0.x0 and
+// n1.x1, less (n1 - n0).(x1 - x0) / 4 and the bend. Where that does not exclude a touch, the time between is halved.
+// With n0 and n1 both directions of the pair these losses are of second order, also for what turns while it touches
+// elsewhere.
 #pragma once
 
 #include <map>

@@ -27,7 +27,8 @@ class ContactEvents {
     Kind kind;
     std::uint32_t index;  // node
     std::uint32_t surface;
-    // Added to the value. Touch: depth behind the obstacle at which it counts, m; slip: N; release: m/s^2.
+    // Added to the value. Touch: depth behind the obstacle at which it counts, m; slip: N; release: N of pairs and of
+    // clusters that bodies may push, m/s^2 of braced nodes.
     double offset = 0.0;
     // Of a pair of bodies its place among those that touch; -1: of a node and an obstacle.
     std::int32_t pair = -1;

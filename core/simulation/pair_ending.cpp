@@ -37,8 +37,9 @@ ClusterResponses clusters_of(const Model& model, const PairEnding& step, const s
     const int count = proximity::first_nodes(each.kind) + proximity::second_nodes(each.kind);
     struck.insert(nodes.begin(), nodes.begin() + count);
   }
-  result.set(model.rigid, *model.placement(step.until), read_only(step.nodes.position), {struck.begin(), struck.end()},
-             [&](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model.mass[node]; });
+  result.set(
+      model.rigid, *model.placement(step.until), read_only(step.nodes.position), {struck.begin(), struck.end()},
+      [&](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model.mass[node]; }, step.loose);
   return result;
 }
 
@@ -108,45 +109,36 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
   for (const proximity::NearPair& each : near) {
     const auto known = pairs.find(std::pair(each.kind, each.pair));
     const bool pushed = known != pairs.end() && known->second.row.normal.dot(known->second.impulse) > 0.0;
-    // Beside the border of a face its direction is not that of the face, however small the gap.
-    if (!pushed && each.gap > 2.0 * tolerance.accuracy) continue;
     PairRow row = row_of(bodies, each.kind, each.pair, each.separation);
     if (!set_mobility(row, nodes)) {
-      if (pushed) held.insert(&known->second);
+      if (pushed || (known != pairs.end() && known->second.touched)) held.insert(&known->second);
       continue;
     }
+    // Beside the border of a face its direction is not that of the face, however small the gap.
+    if (!pushed && each.gap > 2.0 * tolerance.accuracy) continue;
     EndingPair& ending = pairs[std::pair(each.kind, each.pair)];
     if (ending.bounced) continue;
     row.by_rate = true;
     row.value = -ending.rebound;
-    // As before, if it rests. Else, at theta < 1, keeping a pair apart takes more impulse than stopping it; the excess
-    // may be taken back.
-    if (ending.touched && step.in_halves) row.impulse = ending.impulse;
-    if (!step.in_halves) row.least = -std::max(0.0, row.normal.dot(ending.impulse));
-    apply(row, row.impulse, nodes);
+    if (!step.in_halves) {
+      // Has acted already. At theta < 1, keeping a pair apart takes more impulse than stopping it: the excess is taken
+      // back, and friction is in the cone of what is left.
+      row.impulse = ending.impulse;
+    } else if (ending.touched) {
+      row.impulse = ending.impulse;  // as before, if it rests
+      apply(row, row.impulse, nodes);
+    }
     rows.push_back(row);
     of_row.push_back(&ending);
   }
   const PairAccuracy accuracy{tolerance.accuracy, tolerance.gap, pair_patience, most_pair_iterations};
   if (solve(rows, nodes, step.length, accuracy).residual > tolerance.gap) return SPRINGNET_RECOVERABLE;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    // Friction of the whole step is in the cone of what is left of the normal impulse.
-    if (step.in_halves || !(rows[i].friction > 0.0) || !std::isfinite(rows[i].friction)) continue;
-    const Vector3 both = of_row[i]->impulse + rows[i].impulse;
-    const double along = rows[i].normal.dot(both);
-    const Vector3 across = both - along * rows[i].normal;
-    const double most = rows[i].friction * std::max(0.0, along), size = across.norm();
-    if (!(size > most * (1.0 + 1e-9))) continue;
-    const Vector3 change = (most / size - 1.0) * across;
-    rows[i].impulse += change;
-    apply(rows[i], change, nodes);
-  }
   const double no_rate = std::max(0.1 * tolerance.gap / step.length, model.no_speed());
   std::map<const EndingPair*, Vector3> last;  // N s, at the end
   std::map<const EndingPair*, bool> stays;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     of_row[i]->row = rows[i];
-    last[of_row[i]] = rows[i].impulse;
+    last[of_row[i]] = step.in_halves ? rows[i].impulse : Vector3(rows[i].impulse - of_row[i]->impulse);
     stays[of_row[i]] = rows[i].normal.dot(relative(rows[i], nodes.velocity)) <= no_rate;
   }
   std::vector<PairTouch> touching;

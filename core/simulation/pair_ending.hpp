@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "constraints/pair_rows.hpp"
@@ -48,6 +49,7 @@ struct PairEnding {
   springnet_const_vectors start_velocity;
   // Whether the impulse of a pair that touches all the time comes in two equal parts, within the step and at its end.
   bool in_halves;
+  std::set<std::uint32_t> loose{};  // clusters that answer as if no obstacles held them
 };
 // SPRINGNET_RECOVERABLE, without a message, if iterations do not converge. pairs: with impulses within the step.
 springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pairs);

@@ -1,5 +1,6 @@
 // Decides contacts at one time: which nodes touch, separate, slip or come to rest. Works island by island: a node, or
-// all nodes that rigid connections join; where events are located, also all pairs of bodies that share nodes.
+// all nodes that rigid connections join; where events are located, also all pairs of bodies that share nodes or
+// clusters.
 #pragma once
 
 #include <cstdint>

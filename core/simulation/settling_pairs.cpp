@@ -156,9 +156,16 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
   const ContactSide& side = node.sides[0];
   const Vector3& impulse = node.impulse[0];
   pair.motion = motion_of(pair);
-  const Matrix3 responses = mobility_of(model_, {Lever(pair.motion)}, clusters_);
-  const double response = pair.motion.normal.dot(responses * pair.motion.normal);  // 1/kg
-  const double mobility = response > 0.0 ? 1.0 / response : 0.0;  // kg: 0 where only fixed nodes have weight
+  // kg, along the normal; 0 where nothing can move. What connections hold leaves rounding of what its nodes have alone.
+  const auto inertia = [&] {
+    const Matrix3 responses = mobility_of(model_, {Lever(pair.motion)}, clusters_);
+    const double response = pair.motion.normal.dot(responses * pair.motion.normal);
+    double alone = 0.0;
+    Lever(pair.motion).for_each([&](std::uint32_t k, double weight) {
+      if (model_.contact.fixed()[k] == 0) alone += weight * weight / model_.mass[k];
+    });
+    return response > 1e-9 * alone ? 1.0 / response : 0.0;
+  };
   const auto record = [&](Event::Kind kind, const Vector3& given = Vector3::Zero()) {
     record_pair(model_, kind, time_, pair.motion, read_only(state_.view.position), came, given);
   };
@@ -171,7 +178,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     if (!side.active) {
       // Put it on the surface, so that its next touch crosses the tolerance again.
       record(Event::Kind::parted);
-      displace(pair, -pair.motion.gap * mobility * pair.motion.normal);
+      displace(pair, -pair.motion.gap * inertia() * pair.motion.normal);
       return;
     }
   } else if (!side.active) {
@@ -180,7 +187,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
     model_.changed();
     const double speed = pair.motion.normal.dot(pair.motion.velocity);
     // An integration error would make it touch again.
-    if (!side.separating && std::abs(speed) <= jump_) apply_impulse(pair, -speed * mobility * pair.motion.normal);
+    if (!side.separating && std::abs(speed) <= jump_) apply_impulse(pair, -speed * inertia() * pair.motion.normal);
     return;
   }
   PairTouch& touch = pair.touch;

@@ -117,6 +117,12 @@ springnet_status Engine::time_of_impact(springnet_impact_search& search) {
   model_.position_uncertainty = search.depth;
   const springnet_status status = ImpactSearch(model_, contact_events_.sources(), search).find(search.time);
   if (status != SPRINGNET_OK || !model_.constraints.bodies().located()) return status;
+  const double thickness = model_.constraints.bodies().least_thickness(), tolerance = model_.contact_tolerance();
+  if (!(thickness > 2.0 * tolerance))
+    throw Error(ErrorKind::input,
+                fmt::format("contact of bodies: radii and half thicknesses of {:g} m together are less than twice the "
+                            "{:g} m to which contacts are located in a scene of this size; make bodies thicker",
+                            thickness, tolerance));
   double meeting = 0.0;
   const springnet_status of_bodies = BodyImpactSearch(model_, contact_events_, search).find(meeting);
   search.time = std::fmin(search.time, meeting);  // nan: none

@@ -56,6 +56,7 @@ void SweepPairs::begin_step() {
   reactions_.clear();
   on_obstacles_.clear();
   clusters_.clear();
+  loose_.clear();
   mobility_.clear();
   no_list_.clear();
   sweeps_ = 0;
@@ -196,7 +197,17 @@ void SweepPairs::know_clusters(const springnet_sweep& sweep, const Placement& at
     if (sweep.inertia == nullptr) return Matrix3::Identity() / model_.mass[node];
     return Eigen::Map<const Matrix3>(sweep.inertia + 9 * std::size_t{node}).inverse();
   };
-  clusters_.set(model_.rigid, at, read_only(sweep.next_position), model_.constraints.pushes().nodes(), free);
+  clusters_.set(model_.rigid, at, read_only(sweep.next_position), model_.constraints.pushes().nodes(), free, loose_);
+}
+
+bool SweepPairs::loosen(const PairRow& row) {
+  bool changed = false;
+  for (int i = 0; i < row.count; ++i) {
+    const std::uint32_t node = row.nodes[static_cast<std::size_t>(i)];
+    if (mobility_[node] > 0.0 && model_.rigid.is_joined(node))
+      changed = loose_.insert(model_.rigid.cluster_of()[node]).second || changed;
+  }
+  return changed;
 }
 
 // Impulses moved rigid bodies along straight lines. Lengths that cannot be kept are an error of the next sweep.
@@ -330,6 +341,7 @@ bool SweepPairs::renew_row(std::size_t r, const springnet_sweep& sweep, const Pl
   row.lever = weight_of(sweep);
   row.value = gap - row.normal.dot(relative(row, sweep.next_position));
   row.is_blocked = !set_mobility(row, nodes);
+  if (row.is_blocked && gap < -tolerance.gap && loosen(row)) return false;  // from the next round on
   return row.is_blocked || (presses(row) ? std::abs(gap) <= tolerance.gap : gap >= -tolerance.gap);
 }
 
@@ -468,7 +480,7 @@ springnet_status SweepPairs::commit(const State& before) {
     if (OnObstacle on; is_on_obstacle(model_, *at, k, model_.contact.committed(k), vector_at(position, k), on))
       on_obstacles[k] = on;
   const MovedNodes nodes{position, velocity, &mobility_, nullptr, on_obstacles.empty() ? nullptr : &on_obstacles};
-  const PairEnding ending{model_.time, length_, nodes, read_only(before.view.velocity), false};
+  const PairEnding ending{model_.time, length_, nodes, read_only(before.view.velocity), false, loose_};
   if (end_pairs(model_, ending, std::move(pairs)) != SPRINGNET_OK)
     return fail(fmt::format("impulses of {} pairs at its end", rows_.size()));
   model_.stale.forces = true;

@@ -69,6 +69,7 @@ class SweepPairs {
   void add_obstacles(const springnet_sweep& sweep, const Placement& at);
   void note_slips();
   springnet_status fail(const std::string& why, const char* or_else = "") const;
+  bool loosen(const PairRow& row);
   bool renew_row(std::size_t row, const springnet_sweep& sweep, const Placement& at, const MovedNodes& nodes,
                  const PairTolerances& tolerance);
 
@@ -85,7 +86,9 @@ class SweepPairs {
   std::vector<double> mobility_;  // [node] 1/kg; empty before the first pair
   std::vector<Matrix3> blocks_;   // likewise, of rules whose effective masses have directions
   ClusterResponses clusters_;     // of nodes with rigid connections
-  std::vector<Vector3> added_;    // [node] N, to constraint forces
+  // Clusters that answer as if no obstacles held them, because these would not let a pair come apart.
+  std::set<std::uint32_t> loose_;
+  std::vector<Vector3> added_;  // [node] N, to constraint forces
   std::vector<proximity::NearPair> near_;
   std::vector<proximity::MeetingPair> met_;
   int sweeps_ = 0;               // of the step

@@ -14,6 +14,7 @@ VerletClusters::VerletClusters(Model& model, double until, double length) : mode
 
 void VerletClusters::begin(const springnet_sweep& step) {
   clusters_.clear();
+  is_node_struck_.assign(model_.node_count(), 0);
   for (std::size_t c = 0; c < model_.rigid.cluster_count(); ++c) {
     Cluster cluster{Rods(model_.rigid, c, step.start_position), {}, {}, {}};
     for (const std::uint32_t k : model_.rigid.nodes_of(c)) {
@@ -45,7 +46,7 @@ proximity::Positions VerletClusters::end(const springnet_sweep& step) {
 }
 
 bool VerletClusters::strike(const springnet_sweep& step, std::uint32_t node, double share) {
-  if (!model_.rigid.is_joined(node) || std::find(struck_.begin(), struck_.end(), node) != struck_.end()) return false;
+  if (!model_.rigid.is_joined(node) || is_node_struck_[node] != 0) return false;
   const std::uint32_t number = model_.rigid.cluster_of()[node];
   Cluster& cluster = clusters_[number];
   if (!cluster.is_struck) {
@@ -58,7 +59,12 @@ bool VerletClusters::strike(const springnet_sweep& step, std::uint32_t node, dou
     }
   }
   struck_.push_back(node);
+  is_node_struck_[node] = 1;
   return true;
+}
+
+bool VerletClusters::loosen(std::uint32_t node) {
+  return model_.rigid.is_joined(node) && loose_.insert(model_.rigid.cluster_of()[node]).second;
 }
 
 void VerletClusters::renew() {
@@ -71,8 +77,9 @@ void VerletClusters::renew() {
     for (std::size_t i = 0; clusters_[c].is_struck && i < nodes.size(); ++i)
       put_vector(place, nodes[i], clusters_[c].place[i]);
   }
-  responses_.set(model_.rigid, *model_.placement(until_), read_only(place), struck_,
-                 [this](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model_.mass[node]; });
+  responses_.set(
+      model_.rigid, *model_.placement(until_), read_only(place), struck_,
+      [this](std::uint32_t node) -> Matrix3 { return Matrix3::Identity() / model_.mass[node]; }, loose_);
 }
 
 springnet_status VerletClusters::keep_lengths(const springnet_sweep& step, double& moved) const {

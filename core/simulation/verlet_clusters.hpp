@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "constraints/body_contacts.hpp"
@@ -34,6 +35,10 @@ class VerletClusters {
   // Bodies strike a node at this share of the step: its cluster answers impulses on it, once renewed. False if it did
   // before, or has no rigid connections.
   bool strike(const springnet_sweep& step, std::uint32_t node, double share);
+  // From the next renewal on the cluster of a node answers as if no obstacles held it: what they do then is found in
+  // turn. False if it has no rigid connections, or does so already.
+  bool loosen(std::uint32_t node);
+  [[nodiscard]] const std::set<std::uint32_t>& loose() const noexcept { return loose_; }
   // Null: no cluster is struck.
   [[nodiscard]] const ClusterResponses* responses() const noexcept { return responses_.any() ? &responses_ : nullptr; }
   // After strikes, and when what obstacles let the nodes do has changed.
@@ -69,6 +74,8 @@ class VerletClusters {
   double until_, h_;  // s
   std::vector<Cluster> clusters_;
   std::vector<std::uint32_t> struck_;  // nodes
+  std::vector<std::uint8_t> is_node_struck_;
+  std::set<std::uint32_t> loose_;  // clusters
   ClusterResponses responses_;
   std::array<std::vector<double>, 3> end_, place_;  // m, [node]
 };

@@ -187,6 +187,8 @@ springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std
   const std::shared_ptr<VerletContact> before = last->obstacles;
   const auto constrain_obstacles = [&](const VerletContact::Pushes& pushes) -> springnet_status {
     if (!obstacles) return SPRINGNET_OK;
+    // Not what obstacles did with other pushes: those that nodes met then they may not meet now.
+    model.contact.discard_sweep();
     last->obstacles = std::make_shared<VerletContact>(model, step.time, step.time_constant, before.get());
     return last->obstacles->drift(step, pushes);
   };

@@ -56,6 +56,7 @@ class VerletContact {
     Vector3 start, start_velocity;             // m, m/s
     Vector3 half = Vector3::Zero();            // m/s: velocity gained from the force in half a step
     Vector3 velocity, position;                // u, P, then V; m/s, m
+    Vector3 fitted = Vector3::Zero();          // m/s: what u lacks of the way to P, where obstacles stopped it
     Vector3 place = Vector3::Zero();           // of a fixed or moved node, m
     Vector3 place_velocity = Vector3::Zero();  // m/s, likewise
   };
@@ -80,6 +81,7 @@ class VerletContact {
     std::vector<std::uint32_t> nodes;  // of the members
     std::optional<std::size_t> cluster;
     std::vector<Toucher> touchers;
+    bool is_pushed = false;  // by bodies
   };
   using Rods = RigidConnections::WithoutContact;
 
@@ -92,6 +94,9 @@ class VerletContact {
   [[nodiscard]] bool go(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const;
   void push(Body& body, const std::optional<Rods>& rods, const std::vector<Vector3>& impulses) const;
   [[nodiscard]] Island island_at_start(const Body& body, const std::optional<Rods>& rods) const;
+  // m, of a member that touched an obstacle with this normal when the step began. Where bodies push it through a thin
+  // obstacle, it is behind where it began, not in front of the other side.
+  [[nodiscard]] double gap_of(const Body& body, const Member& m, const ContactSide& side) const;
   // Finds the impulses of the body's contacts, and moves it with them.
   springnet_status hold(Body& body, const std::optional<Rods>& rods);
   [[nodiscard]] bool reaches(const Member& m, std::size_t surface) const;

@@ -47,6 +47,7 @@ springnet_status VerletContact::drift(const springnet_sweep& step, const Pushes&
       const auto push = pushes.find(m.node);
       if (push == pushes.end() || m.fixed) continue;
       m.half += push->second.velocity;
+      body.is_pushed = true;
       // The straight path that ends where it does.
       if (!is_in_contact) m.start += push->second.shift;
     }
@@ -54,7 +55,8 @@ springnet_status VerletContact::drift(const springnet_sweep& step, const Pushes&
     if (status != SPRINGNET_OK || body.touchers.empty()) return status;
     for (const Member& m : body.members) {
       put_vector(step.next_position, m.node, m.position);
-      put_vector(step.next_velocity, m.node, m.velocity);
+      // Bodies push on from where it gets to, also if it lands.
+      put_vector(step.next_velocity, m.node, body.is_pushed ? Vector3(m.velocity + m.fitted) : m.velocity);
     }
     bodies_.push_back(std::move(body));
     return SPRINGNET_OK;
@@ -112,6 +114,16 @@ Island VerletContact::island_at_start(const Body& body, const std::optional<Rods
   return {std::move(nodes), mobility(body, rods)};
 }
 
+double VerletContact::gap_of(const Body& body, const Member& m, const ContactSide& side) const {
+  const auto surface = static_cast<std::size_t>(side.surface);
+  const double gap = contact_.gap(*at_, surface, m.position);
+  if (!body.is_pushed || !(gap > 0.0)) return gap;
+  const double way = side.normal.dot(m.position - contact_.carried(*at_, m.start, side.surface));
+  // Not where it passes around an edge.
+  const bool is_beyond = side.normal.dot(contact_.normal(*at_, surface, m.position)) < -0.9;
+  return way < 0.0 && is_beyond ? way : gap;
+}
+
 // The drift is motion under a constant acceleration, 2 (u - v) / h. Gaps at the end of the step are therefore
 // conditions on accelerations, and the contacts are solved as for accelerations.
 springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods) {
@@ -133,8 +145,7 @@ springnet_status VerletContact::hold(Body& body, const std::optional<Rods>& rods
       const Vector3 now = per_speed * (m.velocity - m.start_velocity);
       node.acceleration = now - (island.acceleration(i) - node.acceleration);
       for (ContactSide& side : node.sides) {
-        const auto j = static_cast<std::size_t>(side.surface);
-        const double gap = contact_.gap(*at_, j, m.position);
+        const double gap = gap_of(body, m, side);
         const Vector3 slipped = m.position - contact_.carried(*at_, m.start, side.surface);
         side.target_acceleration = side.normal.dot(now) - per_distance * gap;
         side.surface_acceleration = now - per_distance * slipped;
@@ -337,7 +348,10 @@ springnet_status VerletContact::fit(Body& body) {
     status = model_.rigid.project(*at_, *body.cluster, position, velocity, model_.journal.message);
   else
     contact_.project_sliding(*at_, body.nodes.front(), position, velocity);
-  for (Member& m : body.members) m.position = vector_at(position, m.node);
+  for (Member& m : body.members) {
+    m.fitted += (vector_at(position, m.node) - m.position) / h_;
+    m.position = vector_at(position, m.node);
+  }
   return status;
 }
 

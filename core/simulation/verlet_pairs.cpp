@@ -84,7 +84,19 @@ bool VerletPairs::strike(const springnet_sweep& step, proximity::PairKind kind, 
 
 void VerletPairs::renew_mobility(const springnet_sweep& step) {
   clusters_.renew();
+  set_blocked(step);
+}
+
+void VerletPairs::set_blocked(const springnet_sweep& step) {
   for (PairRow& row : rows_) row.is_blocked = !set_mobility(row, moved(step));
+}
+
+bool VerletPairs::loosen(const PairRow& row) {
+  bool changed = false;
+  for (int i = 0; i < row.count; ++i)
+    if (const std::uint32_t node = row.nodes[static_cast<std::size_t>(i)]; mobility_[node] > 0.0)
+      changed = clusters_.loosen(node) || changed;
+  return changed;
 }
 
 void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair,
@@ -94,7 +106,10 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
   row.lever = h_;
   known_.emplace(kind, pair);
   if (strike(step, kind, pair, is_new ? share : 0.0)) renew_mobility(step);
-  if (!set_mobility(row, moved(step))) return;
+  row.is_blocked = !set_mobility(row, moved(step));
+  if (row.is_blocked && std::none_of(row.nodes.begin(), row.nodes.begin() + row.count,
+                                     [&](std::uint32_t node) { return mobility_[node] > 0.0; }))
+    return;
   Contact contact{at.direction, bodies.primitives().thickness(kind, pair), share, false, false};
   // Its gap closes at most. So what slides from one face to the next is carried by the plane of the first for the rest
   // of the step.
@@ -115,23 +130,28 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
   contacts_.push_back(contact);
 }
 
-void VerletPairs::add_met(const springnet_sweep& step, const proximity::Positions& start,
-                          const proximity::Positions& end) {
+void VerletPairs::add_first(const springnet_sweep& step, const proximity::Positions& start,
+                            const proximity::Positions& end) {
   const proximity::Primitives& all = model_.constraints.bodies().primitives();
   struct Found {
-    proximity::MeetingPair pair;
+    proximity::PairKind kind;
+    proximity::Pair pair;
     proximity::Meeting at;
   };
   std::vector<Found> found;
+  const auto meeting_of = [&](proximity::PairKind kind, proximity::Pair pair,
+                              const std::optional<proximity::Meeting>& early) {
+    const std::array<Vector3, 4> from = all.corners(kind, pair, start);
+    return refine(kind, from, all.corners(kind, pair, end), all.thickness(kind, pair),
+                  early ? *early : proximity::Meeting{0.0, separation(kind, from)});
+  };
   for (const proximity::MeetingPair& each : met_) {
     if (known_.contains(std::pair(each.kind, each.pair))) continue;
-    const std::array<Vector3, 4> from = all.corners(each.kind, each.pair, start),
-                                 to = all.corners(each.kind, each.pair, end);
     if (each.meeting.from_start) {
-      add(step, each.kind, each.pair, separation(each.kind, from), 0.0, false);
+      add(step, each.kind, each.pair, separation(each.kind, all.corners(each.kind, each.pair, start)), 0.0, false);
       continue;
     }
-    const auto meeting = refine(each.kind, from, to, all.thickness(each.kind, each.pair), each.meeting);
+    const auto meeting = meeting_of(each.kind, each.pair, each.meeting);
     if (!meeting) continue;
     // Before an impact of one of its nodes the path is another one.
     const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.kind, each.pair);
@@ -139,15 +159,25 @@ void VerletPairs::add_met(const springnet_sweep& step, const proximity::Position
       const auto struck = struck_.find(node);
       return struck != struck_.end() && meeting->time < struck->second - simultaneous;
     });
-    if (!is_past) found.push_back({each, *meeting});
+    if (!is_past) found.push_back({each.kind, each.pair, *meeting});
+  }
+  // What begins so near that it counts as touching.
+  std::set<std::pair<proximity::PairKind, proximity::Pair>> met;
+  for (const Found& each : found) met.emplace(each.kind, each.pair);
+  for (const proximity::NearPair& each : near_) {
+    const std::pair key(each.kind, each.pair);
+    if (each.gap >= -tolerance_.gap || known_.contains(key) || met.contains(key)) continue;
+    if (const auto meeting = meeting_of(each.kind, each.pair, std::nullopt))
+      found.push_back({each.kind, each.pair, *meeting});
   }
   // Of each node, and of each cluster, the first one: its path after that is another one.
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return std::tuple(a.at.time, a.pair.kind, a.pair.pair) < std::tuple(b.at.time, b.pair.kind, b.pair.pair);
+    return std::tuple(a.at.time, a.kind, a.pair) < std::tuple(b.at.time, b.kind, b.pair);
   });
   std::map<std::uint32_t, double> taken;
+  std::vector<const Found*> first;
   for (const Found& each : found) {
-    const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.pair.kind, each.pair.pair);
+    const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.kind, each.pair);
     const bool is_later = std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t node) {
       const auto before = taken.find(node);
       return before != taken.end() && each.at.time > before->second + simultaneous;
@@ -155,9 +185,12 @@ void VerletPairs::add_met(const springnet_sweep& step, const proximity::Position
     for (const std::uint32_t node : nodes)
       if (mobility_[node] > 0.0)
         clusters_.for_each_moved(node, [&](std::uint32_t k) { taken.emplace(k, each.at.time); });
-    if (is_later) continue;
-    add(step, each.pair.kind, each.pair.pair, each.at.at, each.at.time, true);
+    if (!is_later) first.push_back(&each);
   }
+  bool struck = false;
+  for (const Found* each : first) struck = strike(step, each->kind, each->pair, each->at.time) || struck;
+  if (struck) renew_mobility(step);
+  for (const Found* each : first) add(step, each->kind, each->pair, each->at.at, each->at.time, true);
 }
 
 bool VerletPairs::find(const springnet_sweep& step) {
@@ -205,15 +238,7 @@ bool VerletPairs::find(const springnet_sweep& step) {
   proximity::find_meetings(all, bodies.list().close(0.0), start, end, met_, threads);
   if (near_.empty() && met_.empty()) return false;
   know_gained();
-  add_met(step, start, end);
-  // What begins so near that it counts as touching.
-  for (const proximity::NearPair& each : near_) {
-    if (each.gap >= -tolerance_.gap || known_.contains(std::pair(each.kind, each.pair))) continue;
-    const std::array<Vector3, 4> from = all.corners(each.kind, each.pair, start);
-    const auto meeting = refine(each.kind, from, all.corners(each.kind, each.pair, end),
-                                all.thickness(each.kind, each.pair), {0.0, separation(each.kind, from)});
-    if (meeting) add(step, each.kind, each.pair, meeting->at, meeting->time, true);
-  }
+  add_first(step, start, end);
   pass_on(step, before, start, end);
   return rows_.size() > before;
 }
@@ -238,17 +263,18 @@ void VerletPairs::pass_on(const springnet_sweep& step, std::size_t first_impact,
     for (bool more = true; more;) {
       more = false;
       for (std::size_t q = 0; q < rows_.size(); ++q) {
+        if (q >= first_impact && !contacts_[q].passes_on) continue;  // it has not happened yet
         const bool is_later = rows_[q].lever <= rows_[r].lever * (1.0 + simultaneous);
         if (rows_[q].is_done || rows_[q].is_blocked || is_later || !is_struck(rows_[q])) continue;
-        more = true;
         const double time = contacts_[r].time;
         std::array<Vector3, 4> now = bodies.primitives().corners(rows_[q].kind, rows_[q].pair, start);
         const std::array<Vector3, 4> after = bodies.primitives().corners(rows_[q].kind, rows_[q].pair, end);
         for (std::size_t k = 0; k < 4; ++k) now[k] += time * (after[k] - now[k]);
         PairRow row = row_of(bodies, rows_[q].kind, rows_[q].pair, separation(rows_[q].kind, now));
+        if (!set_mobility(row, moved(step))) continue;
+        more = true;
         rows_[q].is_done = true;
         strike_nodes(row);
-        if (!set_mobility(row, moved(step))) continue;
         row.lever = rows_[r].lever;
         row.by_rate = true;
         // It may take back what the rest of the step would have had of the impulse before.
@@ -270,7 +296,8 @@ void VerletPairs::pass_on(const springnet_sweep& step, std::size_t first_impact,
 void VerletPairs::finish_impacts(const springnet_sweep& step) {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     PairRow& row = rows_[r];
-    if (!contacts_[r].is_impact || row.is_done || (contacts_[r].passes_on && row.impulse.isZero(0.0))) continue;
+    if (!contacts_[r].is_impact || row.is_done || row.is_blocked) continue;
+    if (contacts_[r].passes_on && row.impulse.isZero(0.0)) continue;
     if (start_[0].empty()) {
       const std::size_t n = model_.node_count();
       start_[0].assign(step.start_position.x, step.start_position.x + n);
@@ -324,6 +351,10 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
   double turned = 0.0;  // m, by which clusters were off their straight paths
   for (int round = 0; round < max_pair_rounds; ++round) {
     bool done = turned <= tolerance_.accuracy;
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      if (!rows_[r].is_blocked || rows_[r].is_done) continue;
+      if (gap(r, step.next_position) < -tolerance_.gap && loosen(rows_[r])) renew_mobility(step);
+    }
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       PairRow& row = rows_[r];
       if (row.is_done || row.is_blocked) continue;
@@ -472,11 +503,13 @@ springnet_status VerletPairs::keep_apart(const springnet_sweep& step, const Cons
     }
     const std::vector<Touch> held = clusters_.touches();
     if (const springnet_status status = constrain_others(given); status != SPRINGNET_OK) return status;
-    if (round < max_reopened && clusters_.touches() != held) reopen_impacts();
+    const bool holds_others = clusters_.touches() != held;
+    if (round < max_reopened && holds_others) reopen_impacts();
     double turned = 0.0;
     if (const springnet_status status = clusters_.keep_lengths(step, turned); status != SPRINGNET_OK) return status;
     note_obstacles(step, true);
-    renew_mobility(step);
+    if (holds_others) clusters_.renew();
+    set_blocked(step);
   }
   return fail();
 }
@@ -497,7 +530,7 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
     pair.impulse += rows_[r].impulse;
     pair.bounced = contacts_[r].bounces;
   }
-  const PairEnding ending{until_, h_, moved(step), step.start_velocity, true};
+  const PairEnding ending{until_, h_, moved(step), step.start_velocity, true, clusters_.loose()};
   return end_pairs(model_, ending, std::move(pairs)) == SPRINGNET_OK ? SPRINGNET_OK : fail();
 }
 

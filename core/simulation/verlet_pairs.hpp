@@ -56,8 +56,8 @@ class VerletPairs {
   bool find(const springnet_sweep& step);
   void add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at,
            double share, bool is_new);
-  // Adds rows of pairs that met_ has: of each node the first.
-  void add_met(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
+  // Adds rows of pairs that met_ and near_ have: of each node, and of each cluster, the first.
+  void add_first(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
   // Adds rows of pairs that touched before these impacts and pass them on when they happen. Their first rows keep the
   // impulses that they have.
   void pass_on(const springnet_sweep& step, std::size_t first_impact, const proximity::Positions& start,
@@ -75,6 +75,10 @@ class VerletPairs {
   bool strike(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, double share);
   // What the rows can move, after that changed.
   void renew_mobility(const springnet_sweep& step);
+  void set_blocked(const springnet_sweep& step);
+  // Obstacles hold the nodes of a pair, yet it overlaps: its clusters are to give way, as far as obstacles then let
+  // them. Returns whether any did not.
+  bool loosen(const PairRow& row);
   // Impulses until no pair overlaps at the end of the step.
   springnet_status separate(const springnet_sweep& step);
   springnet_status fail() const;

@@ -18,7 +18,7 @@
 
 namespace springnet::testing {
 
-inline const Friction frictionless{Friction::Kind::none, 0.0};
+inline constexpr double g = 9.81;  // m/s^2
 inline const LawUse verlet{"verlet", {}};
 inline LawUse reference(double tolerance = 1e-10) { return {"cvode", {{"relative_tolerance", tolerance}}}; }
 inline const Vector3 at_rest = Vector3::Zero();

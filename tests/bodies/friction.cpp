@@ -11,8 +11,6 @@ using namespace springnet::testing;
 
 namespace {
 
-constexpr double g = 9.81;
-
 // A ball on a fixed sheet that is inclined about y by this angle.
 Network on_incline(double angle, const Friction& friction) {
   Network net;

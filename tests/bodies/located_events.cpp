@@ -12,11 +12,7 @@
 using namespace springnet;
 using namespace springnet::testing;
 
-namespace {
-
-constexpr double g = 9.81;
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("the reference: springs between balls, a cradle") {
   // Rods of two balls with a spring: the first is struck, its momentum passes on. Energy and momentum are kept.

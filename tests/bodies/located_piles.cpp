@@ -49,7 +49,7 @@ TEST_CASE("the reference: soft blocks that fall onto each other rock, stick and 
 
 TEST_CASE(
     "the reference: a soft block slides on a sheet until friction stops it, and each slip ends in one direction") {
-  const double mu = 0.5, speed = 0.3, thickness = 0.01, g = 9.81;
+  const double mu = 0.5, speed = 0.3, thickness = 0.01;
   Network net;
   add_sheet(net, "floor", 2, 4.0, {0, 0, 0}, Vector3::UnitX(), Vector3::UnitY(), thickness, 1.0, true);
   add_block(net, "block", 4, 0.1, {0.013, 0.007, thickness}, {speed, 0.05, 0}, 0.02, thickness, 1500.0, 1.0);

@@ -15,11 +15,7 @@
 using namespace springnet;
 using namespace springnet::testing;
 
-namespace {
-
-constexpr double g = 9.81;
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("in the network two balls in a line exchange what Newton's law of impact says, by every rule") {
   const double m = 2.0, n = 0.7, gap = 0.9, speed = 1.3, h = 0.01;

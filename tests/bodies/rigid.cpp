@@ -16,13 +16,12 @@
 
 #include "bodies.hpp"
 #include "crossings.hpp"
+#include "rigid_bodies.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
 
 namespace {
-
-constexpr double g = 9.81;
 
 // Mass, kg; inertia about the centre, kg m^2; centre, m; of nodes [first, first + count).
 struct RigidBody {
@@ -49,11 +48,6 @@ struct RigidBody {
     return inertia.inverse() * (at - centre).cross(impulse);
   }
 };
-
-void join(Network& net, NodeIndex first, NodeIndex count) {
-  for (NodeIndex i = first; i < first + count; ++i)
-    for (NodeIndex j = first; j < i; ++j) net.add_rigid(i, j);
-}
 
 // A rigid body of four nodes and a ball that flies at its first node, 10 mm off.
 struct Strike {
@@ -117,23 +111,6 @@ void check_rest(const Network& net, const Simulation& s, int count) {
   CHECK(fastest <= 1e-6);
   CHECK(lowest >= -1e-9);
   CHECK(-s.surface_force(0)[2] == doctest::Approx(count * block_mass * g).epsilon(1e-6));
-}
-
-struct Method {
-  std::string name;
-  LawUse integrator;
-  double theta;  // 0.5: of second order
-  bool locates = false;
-};
-// Of the network every rule with both theta; verlet; the reference.
-std::vector<Method> methods(double force_tolerance) {
-  std::vector<Method> result{{"verlet", verlet, 0.5}, {"cvode", reference(1e-9), 0.5, true}};
-  for (const std::string rule : update_rules)
-    for (const double theta : {1.0, 0.5}) {
-      const LawUse integrator = recurrent(update_named(rule), force_tolerance, {{"theta", theta}});
-      result.push_back({rule + ", theta " + std::to_string(theta), integrator, theta});
-    }
-  return result;
 }
 
 void check_lengths(const Network& net, const Simulation& s) {
@@ -357,7 +334,7 @@ TEST_CASE("a ball strikes a rigid body that stands on a floor, and its feet pres
 // Up to three thicknesses deep, where corners are just beside borders: what is deep in each other has the direction in
 // which it met.
 TEST_CASE("rigid blocks that arrive deep in each other are pushed apart, not through") {
-  const Network net = falling_blocks(8, 0.35);
+  const Network net = falling_blocks(8, 0.37);
   Simulation s = simulate(net, recurrent(newton, 1e-6), 0.004);
   advance(s, 225);
   CHECK(count_crossings(net, s) == 0);
@@ -387,7 +364,7 @@ TEST_CASE("a rigid block that is pressed against a wall goes on touching it") {
   const double load = 5.0, mass = 0.8;
   for (const double mu : {0.0, 0.2}) {
     for (const Method& method : methods(1e-8)) {
-      if (method.theta < 1.0) continue;
+      if (method.network && method.theta < 1.0) continue;
       CAPTURE(mu);
       CAPTURE(method.name);
       Network net;
@@ -420,7 +397,8 @@ TEST_CASE("a rigid block that is pressed against a wall goes on touching it") {
       const double before = pressing();
       advance(s, 20);
       CHECK(s.events().size() == events);
-      CHECK(pressing() == doctest::Approx(before).epsilon(1e-6));
+      // The wall's share of friction is not unique; in verlet it creeps.
+      CHECK(pressing() == doctest::Approx(before).epsilon(method.name == "verlet" ? 3e-3 : 1e-6));
       CHECK(pressing() <= load * (1.0 + 1e-6));
       CHECK(pressing() >= (load - mu * (mass * g + mu * load)) * (1.0 - 1e-6));
       for (NodeIndex k = first; k < first + 8; ++k) CHECK(s.velocity(k).norm() <= 1e-7);

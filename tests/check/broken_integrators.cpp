@@ -13,7 +13,7 @@ using check::Result;
 
 namespace {
 
-check::Report report_on(const std::string& name, double seconds = 60.0, const std::string& only = {}) {
+check::Report integrator_report(const std::string& name, double seconds = 60.0, const std::string& only = {}) {
   static const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
   check::Options options;
   options.seed = 11;
@@ -26,7 +26,7 @@ check::Report report_on(const std::string& name, double seconds = 60.0, const st
 }  // namespace
 
 TEST_CASE("an integrator without a mistake passes") {
-  const check::Report report = report_on("right_integrator");
+  const check::Report report = integrator_report("right_integrator");
   CHECK(report.findings.size() == 13);
   for (const check::Finding& finding : report.findings) {
     CAPTURE(finding.check);
@@ -61,7 +61,7 @@ TEST_CASE("each mistake of an integrator fails its own check first") {
     if (std::string(each.check) == "leaks" && !check::heap_in_use()) continue;
     const bool hangs = std::string(each.name) == "refusals";
     const check::Report report =
-        report_on(std::string("integrator_") + each.name, hangs ? 3.0 : 60.0, hangs ? each.check : "");
+        integrator_report(std::string("integrator_") + each.name, hangs ? 3.0 : 60.0, hangs ? each.check : "");
     const auto bad = std::find_if(report.findings.begin(), report.findings.end(),
                                   [](const check::Finding& finding) { return check::is_bad(finding.outcome.result); });
     REQUIRE(bad != report.findings.end());

@@ -18,13 +18,13 @@ using check::Result;
 
 namespace {
 
-check::Options options(std::uint64_t seed = 3) {
+check::Options row_options(std::uint64_t seed = 3) {
   static const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());
-  check::Options options;
-  options.seed = seed;
-  options.host = host;
-  options.limits.seconds = 120.0;  // none of these laws hangs; with sanitizers a busy machine takes its time
-  return options;
+  check::Options row_options;
+  row_options.seed = seed;
+  row_options.host = host;
+  row_options.limits.seconds = 120.0;  // none of these laws hangs; with sanitizers a busy machine takes its time
+  return row_options;
 }
 
 LawFormula formula(const char* force) {
@@ -63,7 +63,8 @@ TEST_CASE("the laws of the examples pass without a warning") {
   REQUIRE(scenes.size() >= 11);
   for (const auto& scene : scenes)
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
-      const check::Report report = check::check_laws_of(load_scene(scene, *options().host).network, options(seed));
+      const check::Report report =
+          check::check_laws_of(load_scene(scene, *row_options().host).network, row_options(seed));
       CHECK(report.passed());
       for (const check::Finding& each : report.findings) {
         CAPTURE(scene.filename().string());
@@ -82,7 +83,7 @@ TEST_CASE("no order is told of springs that break in the test") {
   const auto component = component_of(law);
   const auto outcome = [&](double strength) {
     const LawUse use{"formula", {{"stiffness", 100.0}, {"strength", strength}}, {}, component};
-    return finding(check::check_laws_of(row({{0.5, use}}), options()), "order").outcome;
+    return finding(check::check_laws_of(row({{0.5, use}}), row_options()), "order").outcome;
   };
   const check::Outcome broken = outcome(0.5), whole = outcome(100.0);
   CAPTURE(broken.why);
@@ -101,7 +102,7 @@ TEST_CASE("the elements that are checked are the scene's: its lengths, with the 
                            {0.2, law(1.0, 0.9)},
                            {7.0, law(3.0, 30.0)},
                            {5.0, LawUse{"linear", {{"stiffness", 2.0}}}}});
-  const std::vector<check::SceneLaw> laws = check::laws_of(net, *options().host);
+  const std::vector<check::SceneLaw> laws = check::laws_of(net, *row_options().host);
   REQUIRE(laws.size() == 2);
   REQUIRE(laws[0].parameters.size() == 2);
   REQUIRE(laws[0].elements.size() >= 3);
@@ -112,7 +113,7 @@ TEST_CASE("the elements that are checked are the scene's: its lengths, with the 
   for (const check::UsedElement& each : laws[0].elements) CHECK(each.parameters == (each.reference > 1.0 ? 1u : 0u));
   CHECK(laws[1].use.id == "linear");
   // Limits of 0.9 m and 30 m are beyond twice of these lengths, not of each other's.
-  const check::Report report = check::check_laws_of(net, options());
+  const check::Report report = check::check_laws_of(net, row_options());
   CHECK(report.findings.size() == 28);
   CHECK(finding(report, "finite").outcome.result == Result::passed);
 }
@@ -120,7 +121,7 @@ TEST_CASE("the elements that are checked are the scene's: its lengths, with the 
 TEST_CASE("a pole that a scene's lengths may reach is told, and one that answers nan beyond is not") {
   const auto found = [](const char* force, double limit) {
     const LawUse law = law_of(formula(force), {{"stiffness", 2.0}, {"limit", limit}});
-    return finding(check::check_laws_of(row({{0.5, law}, {0.6, law}}), options()), "finite").outcome;
+    return finding(check::check_laws_of(row({{0.5, law}, {0.6, law}}), row_options()), "finite").outcome;
   };
   const check::Outcome pole = found("stiffness*e/(1 - (length/limit)^2)", 0.8);
   CHECK(pole.result == Result::failed);
@@ -145,7 +146,7 @@ TEST_CASE("formulas are judged as strictly as plugins, and told what to write in
         Wrong{"stiffness*log(1.5 - stretch)", "finite", "stretch = [a, b]"}}) {
     CAPTURE(std::string(each.force));
     const LawUse law = law_of(formula(each.force), {{"stiffness", 2.0}});
-    const check::Outcome outcome = finding(check::check_laws_of(row({{0.5, law}}), options()), each.check).outcome;
+    const check::Outcome outcome = finding(check::check_laws_of(row({{0.5, law}}), row_options()), each.check).outcome;
     CAPTURE(outcome.why);
     CHECK(outcome.result == Result::failed);
     CHECK(outcome.why.find(each.part) != std::string::npos);
@@ -153,11 +154,12 @@ TEST_CASE("formulas are judged as strictly as plugins, and told what to write in
   }
   LawFormula loaded = formula("stiffness*(e + 0.1)");
   loaded.not_zero_at_rest = true;
-  CHECK(check::check_laws_of(row({{0.5, law_of(loaded, {{"stiffness", 2.0}})}}), options()).passed());
+  CHECK(check::check_laws_of(row({{0.5, law_of(loaded, {{"stiffness", 2.0}})}}), row_options()).passed());
   LawFormula pushes = formula("stiffness*e");
   pushes.pulls_only = true;
   const check::Outcome outcome =
-      finding(check::check_laws_of(row({{0.5, law_of(pushes, {{"stiffness", 2.0}})}}), options()), "promises").outcome;
+      finding(check::check_laws_of(row({{0.5, law_of(pushes, {{"stiffness", 2.0}})}}), row_options()), "promises")
+          .outcome;
   CHECK(outcome.why.find("take \"pulls only\" out") != std::string::npos);
 }
 
@@ -165,7 +167,8 @@ TEST_CASE("of a law that declares to be monotone the largest fall is told, of se
   LawFormula wave = formula("stiffness*sin(4*strain)");
   wave.monotone = true;
   const check::Outcome one =
-      finding(check::check_laws_of(row({{1.0, law_of(wave, {{"stiffness", 2.0}})}}), options()), "promises").outcome;
+      finding(check::check_laws_of(row({{1.0, law_of(wave, {{"stiffness", 2.0}})}}), row_options()), "promises")
+          .outcome;
   CAPTURE(one.why);
   CHECK(one.result == Result::failed);
   // sin(4 x) from strains of -1 to 1: from its maximum of 1 at pi/8 to sin(4), or from -sin(4) to its minimum.
@@ -188,7 +191,7 @@ TEST_CASE("of a law that declares to be monotone the largest fall is told, of se
     const MaterialIndex material =
         net.add_material({law_of(law, {{"stiffness", 2.0}, {"stiffening", stiffening}}), std::nullopt});
     net.add_element(Invariant::triangle, {0, 1, 2}, material, corners);
-    return finding(check::check_laws_of(net, options()), "promises").outcome;
+    return finding(check::check_laws_of(net, row_options()), "promises").outcome;
   };
   CHECK(sheet(5.0).result == Result::passed);
   const check::Outcome several = sheet(-50.0);
@@ -201,10 +204,10 @@ TEST_CASE("zero rest lengths, unused materials, and many springs are no trouble"
   Network net = row({{1.0, LawUse{"linear", {{"stiffness", 2.0}}}}});
   net.set_rest_length(0, 0.0);
   static_cast<void>(net.add_material({LawUse{"linear", {{"stiffness", 3.0}}}, LawUse{"linear", {{"damping", 0.1}}}}));
-  CHECK(check::check_laws_of(net, options()).passed());
+  CHECK(check::check_laws_of(net, row_options()).passed());
   std::vector<std::pair<double, LawUse>> many;
   for (int k = 1; k <= 3000; ++k) many.emplace_back(0.01 * k, LawUse{"linear", {{"stiffness", 1.0 * k}}});
-  const check::Report report = check::check_laws_of(row(many), options());
+  const check::Report report = check::check_laws_of(row(many), row_options());
   CHECK(report.passed());
   CHECK(report.findings.size() == 14);
 }
@@ -212,7 +215,7 @@ TEST_CASE("zero rest lengths, unused materials, and many springs are no trouble"
 TEST_CASE("laws that vary faster than the net do not fail `order`, though coarse steps have none") {
   const auto order_of = [](const LawFormula& law, double time) {
     const LawUse use = law_of(law, {{"stiffness", 5.0}, {"tau", time}});
-    return finding(check::check_laws_of(row({{0.5, use}, {0.6, use}}), options()), "order").outcome;
+    return finding(check::check_laws_of(row({{0.5, use}, {0.6, use}}), row_options()), "order").outcome;
   };
   LawFormula maxwell;
   maxwell.force = "stiffness*(e - z)";

@@ -13,9 +13,11 @@
 #include "constraints/acceleration_gradients.hpp"
 #include "constraints/contact.hpp"
 #include "constraints/obstacle.hpp"
+#include "dice.hpp"
 #include "nets.hpp"
 
 using namespace springnet;
+using springnet::testing::Dice;
 
 namespace {
 
@@ -122,16 +124,6 @@ VectorOf<Complex> normal_of(const Shape& shape, const VectorOf<Complex>& p) {
   const VectorOf<Complex> vector = from_core(shape, p).vector;
   return scaled(1.0 / std::sqrt(dot(vector, vector)), vector);
 }
-
-class Dice {
- public:
-  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  Vector3 vector(double size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
-  Matrix3 rotation() { return Eigen::AngleAxisd(number(-3.0, 3.0), vector(1.0).normalized()).toRotationMatrix(); }
-
- private:
-  std::mt19937 random_{11};
-};
 
 // Calls check(shape) for planes, capsules, a ball and boxes at rest.
 template <class Check>

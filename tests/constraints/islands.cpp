@@ -29,7 +29,7 @@ ContactNode on_floor(const Vector3& velocity, const Friction& friction) {
   node.acceleration = {0, 0, -1};
   return node;
 }
-constexpr Friction smooth{Friction::Kind::none, 0.0}, held{Friction::Kind::held, 0.0};
+constexpr Friction held{Friction::Kind::held, 0.0};
 Friction coulomb(double coefficient) { return {Friction::Kind::coulomb, coefficient}; }
 
 // The lower end of two equal masses (1 kg) on a rod that rises by `angle` towards +x: D = I - d d^T / 2.
@@ -116,7 +116,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
     }
   }
   // Too slow to rebound.
-  ContactNode slow = on_floor({0, 0, -1e-7}, smooth);
+  ContactNode slow = on_floor({0, 0, -1e-7}, frictionless);
   slow.sides[0].restitution = 1.0;
   Island island({slow}, Matrix3::Identity());
   CHECK(island.apply_impact(1e-6));
@@ -126,9 +126,10 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
   CHECK_FALSE(leaving.apply_impact(1e-6));
   // What rounding leaves of a velocity is no impact, and one that strikes with another that does not approach is left
   // alone.
-  Island resting({on_floor({1, 0, -1e-17}, smooth)}, Matrix3::Identity());
+  Island resting({on_floor({1, 0, -1e-17}, frictionless)}, Matrix3::Identity());
   CHECK_FALSE(resting.apply_impact(1e-6, 1e-13));
-  Island both({on_floor({1, 0, -1e-17}, smooth), on_floor({0, 0, -1}, smooth)}, Eigen::MatrixXd::Identity(6, 6));
+  Island both({on_floor({1, 0, -1e-17}, frictionless), on_floor({0, 0, -1}, frictionless)},
+              Eigen::MatrixXd::Identity(6, 6));
   CHECK(both.apply_impact(1e-6, 1e-13));
   CHECK(both.nodes()[0].impulse[0] == Vector3::Zero());
   CHECK(both.nodes()[1].impulse[0] == Vector3(0, 0, 1));
@@ -136,7 +137,7 @@ TEST_CASE("a lone node that strikes: Newton's restitution, Coulomb's impulse") {
 
 TEST_CASE("a rod that strikes with one end has the impulse of its effective mass") {
   const double angle = 0.6, s = std::sin(angle);
-  Island island({on_floor({0, 0, -1}, smooth)}, end_of_rod(angle));
+  Island island({on_floor({0, 0, -1}, frictionless)}, end_of_rod(angle));
   CHECK(island.apply_impact(1e-6));
   CHECK(island.nodes()[0].impulse[0].z() == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
 }
@@ -145,7 +146,7 @@ TEST_CASE("a rod that stands on one end: normal force, and the friction that it 
   // Both masses fall at 1 m/s^2 if nothing supports them. Frictionless N = 1 / D_zz; stuck f = D^-1 (0, 0, 1), which is
   // (c s, 0, 1 + s^2).
   const double angle = 0.6, s = std::sin(angle), c = std::cos(angle);
-  Island smooth_rod({on_floor(Vector3::Zero(), smooth)}, end_of_rod(angle));
+  Island smooth_rod({on_floor(Vector3::Zero(), frictionless)}, end_of_rod(angle));
   CHECK(smooth_rod.resolve(1e-12));
   CHECK(smooth_rod.nodes()[0].normal_force[0] == doctest::Approx(1 / (1 - 0.5 * s * s)).epsilon(rounding));
   const double needed = c * s / (1 + s * s);
@@ -430,7 +431,7 @@ TEST_CASE("impulses over a step end approach within the cone, for all contacts a
     CHECK(lone.nodes()[0].sticks == answer.sticks);
   }
   // One that rises is let go, unless it pinned.
-  ContactNode rising = on_floor(Vector3::Zero(), smooth);
+  ContactNode rising = on_floor(Vector3::Zero(), frictionless);
   rising.acceleration = {0, 0, 0.7};
   Island released({rising}, Matrix3::Identity());
   REQUIRE(released.resolve_impulses(1e-12));

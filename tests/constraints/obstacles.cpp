@@ -11,21 +11,13 @@
 #include <Eigen/Geometry>
 
 #include "constraints/obstacle.hpp"
+#include "dice.hpp"
 #include "nets.hpp"
 
 using namespace springnet;
+using springnet::testing::Dice;
 
 namespace {
-
-class Dice {
- public:
-  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  Vector3 vector(double size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
-  Matrix3 rotation() { return Eigen::AngleAxisd(number(-3.0, 3.0), vector(1.0).normalized()).toRotationMatrix(); }
-
- private:
-  std::mt19937 random_{11};
-};
 
 Instrument box_of(const Vector3& middle, const Vector3& size, const Matrix3& axes, double radius) {
   Instrument instrument;

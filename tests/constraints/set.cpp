@@ -20,8 +20,6 @@ using namespace springnet::testing;
 namespace {
 
 constexpr double g = 9.81;  // m/s^2
-const Friction smooth{Friction::Kind::none, 0.0};
-
 // Arrays of vectors as integrators have them.
 class Arrays {
  public:
@@ -145,7 +143,7 @@ TEST_CASE("a lone sliding node is projected onto the nearest point of its surfac
   Instrument sphere;
   sphere.first = sphere.second = Vector3::Zero();
   sphere.radius = 1.0;
-  sphere.friction = smooth;
+  sphere.friction = frictionless;
   net.add_instrument(sphere);
   ConstrainedState state(net);
   state.touch(0, {0, true});
@@ -230,7 +228,7 @@ TEST_CASE("between two obstacles each carries its normal force, and friction in 
 TEST_CASE("projection removes the constrained part of a change of velocities and nothing else, for any mobility") {
   Network net = pair(1.0, 3.0, 2.0);
   net.add_node(point({0, 0, 0}, 2.0));
-  net.add_plane(floor_of(smooth));
+  net.add_plane(floor_of(frictionless));
   ConstrainedState state(net);
   state.touch(2, {0, true});
   state.set->linearise(state.at(0), state.position.in());

@@ -16,8 +16,6 @@ using namespace springnet::testing;
 
 namespace {
 
-constexpr Friction smooth{Friction::Kind::none, 0.0};
-
 std::vector<Scheme> network_schemes(double force_tolerance) {
   std::vector<Scheme> schemes = stepping_schemes(force_tolerance);
   schemes.resize(schemes.size() - 2);  // verlet, generalized_alpha
@@ -38,7 +36,7 @@ Network on_sphere() {
   net.add_node(point({0.1, 0, 0.99498743710662}, 2.0));
   net.set_gravity({0, 0, -1});
   Instrument sphere;
-  sphere.friction = smooth;
+  sphere.friction = frictionless;
   sphere.radius = 1.0;
   net.add_instrument(sphere);
   return net;
@@ -184,7 +182,7 @@ TEST_CASE("a node slides on along the edge of two surfaces, braked by both") {
     net.add_node(point({0.2, 0, 0}, 0.5, {-1, 2, 0}));
     net.set_gravity({-3, 0, -4});
     net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitZ(), floor));
-    net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitX(), smooth));
+    net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitX(), frictionless));
     for (const Scheme& scheme : network_schemes(1e-10)) {
       INFO(scheme.name << ", " << rough);
       Simulation s = simulate(net, scheme.integrator, 0.002);
@@ -206,7 +204,7 @@ TEST_CASE("a node rebounds with its surface's coefficient, and comes to rest") {
   Network net;
   net.add_node(point({0, 0, 0.5}, 1.0, {0.4, 0, 0}));
   net.set_gravity({0, 0, -10});
-  Plane plane = plane_at(Vector3::Zero(), Vector3::UnitZ(), smooth);
+  Plane plane = plane_at(Vector3::Zero(), Vector3::UnitZ(), frictionless);
   plane.restitution = 0.6;
   net.add_plane(plane);
   for (const Scheme& scheme : network_schemes(1e-10)) {
@@ -239,7 +237,7 @@ TEST_CASE("events that divide the time step leave theta 1/2 of second order") {
     net.add_node(point({0, 0, 1.7}, 1.5, {0, 0.1, -1.2}));
     net.add_spring(0, 1, net.add_material(damped(60.0, 0.3)), 1.0);
     net.set_gravity({0, 0, -4});
-    net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitZ(), smooth));
+    net.add_plane(plane_at(Vector3::Zero(), Vector3::UnitZ(), frictionless));
     examples.push_back({"touch", net, 0.6, 0.02});
     Network torn = net;
     Cut cut;

@@ -11,8 +11,6 @@ using namespace springnet::testing;
 
 namespace {
 
-const Friction smooth{Friction::Kind::none, 0.0};
-
 Vector3 turned(const Vector3& axis, double angle, const Vector3& x) { return Eigen::AngleAxisd(angle, axis) * x; }
 
 }  // namespace
@@ -94,7 +92,7 @@ TEST_CASE("a paddle hits a node and takes it out along itself") {
   Network net;
   net.add_node(point({0.8, height, 0}, 0.3));
   Instrument paddle;
-  paddle.friction = smooth;
+  paddle.friction = frictionless;
   paddle.box.emplace();
   paddle.box->size = {4.0, 2 * half, 1.0};
   paddle.turn.emplace();

@@ -83,7 +83,7 @@ Network falling_triangle(const Friction& friction) {
   return net;
 }
 
-struct Example {
+struct Obstructed {
   std::string name;
   Network net;
   double until;  // s
@@ -102,16 +102,16 @@ TEST_CASE("contact looks the same turned, mirrored, and in other units") {
                         {"mm, g, ms", Eigen::Matrix3d::Identity(), 1e3, 1e3, 1e3},
                         {"mm, t, s", Eigen::Matrix3d::Identity(), 1e3, 1e-3, 1.0}};
   const Friction rough{Friction::Kind::coulomb, 0.3};
-  const Example examples[] = {{"sphere", on_sphere(), 3.0},
-                              {"landing on a rough sphere", thrown_on_sphere(rough), 1.2},
-                              {"landing on a capsule", thrown_on_capsule(frictionless), 1.2},
-                              {"pair", thrown_pair(), 0.6},
-                              {"box", thrown_box(), 0.6},
-                              {"shaken oscillator", shaken_oscillator(), 3.0},
-                              {"triangle", falling_triangle(frictionless), 0.5},
-                              {"rough triangle", falling_triangle(rough), 0.5},
-                              {"held triangle", falling_triangle({Friction::Kind::held, 0.0}), 0.5}};
-  for (const Example& example : examples) {
+  const Obstructed examples[] = {{"sphere", on_sphere(), 3.0},
+                                 {"landing on a rough sphere", thrown_on_sphere(rough), 1.2},
+                                 {"landing on a capsule", thrown_on_capsule(frictionless), 1.2},
+                                 {"pair", thrown_pair(), 0.6},
+                                 {"box", thrown_box(), 0.6},
+                                 {"shaken oscillator", shaken_oscillator(), 3.0},
+                                 {"triangle", falling_triangle(frictionless), 0.5},
+                                 {"rough triangle", falling_triangle(rough), 0.5},
+                                 {"held triangle", falling_triangle({Friction::Kind::held, 0.0}), 0.5}};
+  for (const Obstructed& example : examples) {
     for (const View& view : views) {
       const Network other = seen(example.net, view);
       std::vector<Scheme> schemes = {{"newton, theta 1/2", {}, 2.0},

@@ -8,8 +8,6 @@
 
 namespace springnet::testing {
 
-inline constexpr Friction frictionless{Friction::Kind::none, 0.0};
-
 // A node that slides off a fixed sphere of radius 1 m from rest, under 1 m/s^2.
 inline Network on_sphere() {
   Network net;

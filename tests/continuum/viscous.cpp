@@ -41,7 +41,7 @@ double greatest_error(const EvaluatorFixture& fixture, const SimplexMesh<N>& mes
 }
 
 // Some rounding errors of the sums over a mesh.
-constexpr double rounding = 2e-13;
+constexpr double rounding_of_sums = 2e-13;
 
 }  // namespace
 
@@ -59,7 +59,7 @@ TEST_CASE("a viscous solid has the stress F S, S = 2 eta E' + (zeta - 2/3 eta) t
       const Matrix3 stress =
           2.0 * shear * strain_rate + (bulk - 2.0 / 3.0 * shear) * strain_rate.trace() * Matrix3::Identity();
       set_affine(fixture, mesh, f, rate);
-      CHECK(greatest_error(fixture, mesh, f * stress) < rounding);
+      CHECK(greatest_error(fixture, mesh, f * stress) < rounding_of_sums);
       const double power = (stress.transpose() * strain_rate).trace() * mesh.size();
       CHECK(lost(fixture) == doctest::Approx(power).epsilon(1e-12));
       CHECK(lost(fixture) >= 0.0);
@@ -83,7 +83,7 @@ TEST_CASE("a viscous membrane has the tensions F S, S = 2 eta E' + (zeta - eta) 
       Matrix3 piola = Matrix3::Zero();
       piola.leftCols<2>() = f.leftCols<2>() * stress;
       set_affine(fixture, mesh, f, rate);
-      CHECK(greatest_error(fixture, mesh, piola) < rounding);
+      CHECK(greatest_error(fixture, mesh, piola) < rounding_of_sums);
       const double power = (stress * strain_rate).trace() * mesh.size();
       CHECK(lost(fixture) == doctest::Approx(power).epsilon(1e-12));
       CHECK(lost(fixture) >= 0.0);

@@ -13,7 +13,7 @@ using namespace springnet::testing;
 
 namespace {
 
-int run(const std::string& command, const std::string& log) {
+int run_tool(const std::string& command, const std::string& log) {
   return std::system((command + " >" + log + " 2>&1").c_str());
 }
 
@@ -34,8 +34,8 @@ TEST_CASE("a case of PhysTwin's data is turned into a scene and observations of 
   const std::string log = (at / "log").string(), tool = SPRINGNET_TOOL;
   const std::string make = std::string(interpreter) + " " + TESTS + "/examples/phystwin_case.py ";
   const std::string convert = std::string(interpreter) + " " + EXAMPLES + "/twin/from_phystwin ";
-  REQUIRE(run(make + (at / "case").string(), log) == 0);
-  const int status = run(convert + (at / "case").string() + " " + (at / "out").string(), log);
+  REQUIRE(run_tool(make + (at / "case").string(), log) == 0);
+  const int status = run_tool(convert + (at / "case").string() + " " + (at / "out").string(), log);
   CAPTURE(read_text(log));
   REQUIRE(status == 0);
   // Up is z; a point behind the table lies on it.
@@ -52,20 +52,20 @@ TEST_CASE("a case of PhysTwin's data is turned into a scene and observations of 
   CHECK(points.number(0, 3) == doctest::Approx(0.013 + 4 * 0.002));
   const std::string scene = (at / "out/toy.toml").string();
   const int learned =
-      run(tool + " learn " + scene + " --observations " + (at / "out/tracks.csv").string() + " " +
-              (at / "out/points.csv").string() +
-              " --parameters spring.stiffness@toy:together --iterations 2 --output " + (at / "learned").string(),
-          log);
+      run_tool(tool + " learn " + scene + " --observations " + (at / "out/tracks.csv").string() + " " +
+                   (at / "out/points.csv").string() +
+                   " --parameters spring.stiffness@toy:together --iterations 2 --output " + (at / "learned").string(),
+               log);
   CAPTURE(read_text(log));
   CHECK(learned == 0);
   CHECK(std::filesystem::exists(at / "learned/learned.toml"));
 
-  // No program of a stranger's file is run.
-  REQUIRE(run(make + (at / "hostile").string() + " hostile", log) == 0);
-  CHECK(run(convert + (at / "hostile").string() + " " + (at / "none").string(), log) != 0);
+  // No program of a stranger's file is run_tool.
+  REQUIRE(run_tool(make + (at / "hostile").string() + " hostile", log) == 0);
+  CHECK(run_tool(convert + (at / "hostile").string() + " " + (at / "none").string(), log) != 0);
   CHECK(read_text(log).find("where only arrays are expected") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(at / "hostile/was_run"));
   CHECK_FALSE(std::filesystem::exists(at / "none"));
-  CHECK(run(convert + (at / "nowhere").string() + " " + (at / "none").string(), log) != 0);
+  CHECK(run_tool(convert + (at / "nowhere").string() + " " + (at / "none").string(), log) != 0);
   CHECK(read_text(log).find("final_data.pkl: No such file") != std::string::npos);
 }

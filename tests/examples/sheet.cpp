@@ -9,7 +9,7 @@ using namespace springnet::testing;
 
 namespace {
 
-struct Observed {
+struct SheetCourse {
   std::size_t cut = 0, torn = 0;
   double first_tear = 1e9, last_tear = 0.0;  // s
   bool in_two = false;
@@ -28,9 +28,9 @@ bool hangs_together(const Network& net, const Simulation& simulation) {
   return root(0) == root(static_cast<NodeIndex>(net.nodes().size() - 1));
 }
 
-Observed course_of(const Scene& scene) {
+SheetCourse sheet_course(const Scene& scene) {
   const Simulation simulation = run(scene, [](const Simulation&) {});
-  Observed course;
+  SheetCourse course;
   for (const Event& event : simulation.events()) {
     if (event.kind == Event::Kind::cut) ++course.cut;
     if (event.kind != Event::Kind::ruptured) continue;
@@ -45,7 +45,7 @@ Observed course_of(const Scene& scene) {
 }  // namespace
 
 TEST_CASE("the sheet is cut for the third part of its width, and tears from there to the other side") {
-  const Observed course = course_of(example("sheet/sheet.toml", {"simulation.duration=1.6"}));
+  const SheetCourse course = sheet_course(example("sheet/sheet.toml", {"simulation.duration=1.6"}));
   CHECK(course.cut == 71);  // 24 upright springs, and two diagonals in each of the 23 cells and a half that it crosses
   CHECK(course.first_tear >= 1.0);
   CHECK(course.last_tear < 1.6);
@@ -61,8 +61,8 @@ TEST_CASE("a coarser sheet tears through in the reference too, at about the same
   std::vector<std::string> reference = coarse;
   reference.push_back(in_cvode);
   reference.push_back("simulation.time_step=0.01");
-  const Observed a = course_of(example("sheet/sheet.toml", coarse)),
-                 b = course_of(example("sheet/sheet.toml", reference));
+  const SheetCourse a = sheet_course(example("sheet/sheet.toml", coarse)),
+                    b = sheet_course(example("sheet/sheet.toml", reference));
   CHECK(a.cut == b.cut);
   CHECK(a.in_two);
   CHECK(b.in_two);

@@ -7,7 +7,7 @@ using namespace springnet::testing;
 
 namespace {
 
-struct Observed {
+struct TubeCourse {
   std::vector<Positions> positions;  // m
   double greatest_pull = 0.0;        // N, of the grasper
   double greatest_push = 0.0;        // N, on the probe
@@ -15,8 +15,8 @@ struct Observed {
   std::size_t most_touching = 0;
 };
 
-Observed course_of(const Scene& scene) {
-  Observed course;
+TubeCourse tube_course(const Scene& scene) {
+  TubeCourse course;
   const std::vector<NodeIndex> grasped = scene.network.moves().at(0).nodes;
   static_cast<void>(run(scene, [&](const Simulation& s) {
     course.positions.push_back(positions_of(s));
@@ -40,9 +40,9 @@ TEST_CASE("the tube has the paper's numbers of nodes and springs, and steps of 1
 }
 
 TEST_CASE("a grasper draws the tube and a probe presses it; both feel it, alike in both integrators") {
-  const Observed network = course_of(example("tube/tube.toml"));
-  const Observed reference = course_of(example("tube/tube.toml", {in_cvode}));
-  for (const Observed* course : {&network, &reference}) {
+  const TubeCourse network = tube_course(example("tube/tube.toml"));
+  const TubeCourse reference = tube_course(example("tube/tube.toml", {in_cvode}));
+  for (const TubeCourse* course : {&network, &reference}) {
     CHECK(course->greatest_pull > 1e-3);
     CHECK(course->greatest_push > 1e-3);
     CHECK(course->most_touching >= 2);

@@ -25,7 +25,7 @@ std::string refusal(const std::string& force, std::vector<FormulaSymbol> paramet
   }
   return {};
 }
-void refused(const std::string& message, const std::string& facts) {
+void units_refused(const std::string& message, const std::string& facts) {
   INFO(message);
   CHECK(testing::has_facts(message, facts));
 }
@@ -49,12 +49,12 @@ TEST_CASE("all units of the SI are known, and a formula of elements may have the
         "");
   CHECK(refusal("c*u*u/length", {{"c", "F"}, {"u", "V"}}) == "");
   CHECK(refusal("q*q/(eps*e^2)", {{"q", "C"}, {"eps", "F/m"}}) == "");
-  refused(refusal("k*temperature*e", {{"k", "N/m"}, {"temperature", "K"}}), "is in kg m s^-2 K | must be in N");
+  units_refused(refusal("k*temperature*e", {{"k", "N/m"}, {"temperature", "K"}}), "is in kg m s^-2 K | must be in N");
   CHECK(refusal("k*e", {{"k", "N m"}}) == "");
   CHECK(refusal("k*e", {{"k", "Pa/m^3"}}) == "");
   CHECK(refusal("k*(angle - 2)", {{"k", "N m"}}) == "");
-  refused(refusal("k*angle", {{"k", "N/m"}}), "must be in J");
-  refused(refusal("k*length", {{"k", "N m"}}), "must be in N");
+  units_refused(refusal("k*angle", {{"k", "N/m"}}), "must be in J");
+  units_refused(refusal("k*length", {{"k", "N m"}}), "must be in N");
 }
 
 TEST_CASE("the units of a law that goes with every invariant are checked for its use") {
@@ -76,20 +76,20 @@ TEST_CASE("the units of a law that goes with every invariant are checked for its
   CHECK(wrong("Pa/m^3", Invariant::volume) == "");
   CHECK(wrong("Pa/m^3", Invariant::enclosed_volume) == "");
   CHECK(wrong("", Invariant::angle) == "");
-  refused(wrong("N m", std::nullopt), "must be in N");
-  refused(wrong("N/m", Invariant::angle), "is in N/m | must be in J");
-  refused(wrong("N m", Invariant::area), "must be in N/m");
-  refused(wrong("N/m", Invariant::volume), "must be in Pa");
+  units_refused(wrong("N m", std::nullopt), "must be in N");
+  units_refused(wrong("N/m", Invariant::angle), "is in N/m | must be in J");
+  units_refused(wrong("N m", Invariant::area), "must be in N/m");
+  units_refused(wrong("N/m", Invariant::volume), "must be in Pa");
 }
 
 TEST_CASE("units that do not fit are told with their place") {
-  refused(refusal("stiffness*e/(1 - (e/limit)^2)", {{"stiffness", "N/m"}, {"limit", "1"}}),
-          "column 27 | in m^2 | goes with what is in 1");
-  refused(refusal("stiffness*e", {{"stiffness", "N"}}), "force | is in J | must be in N");
-  refused(refusal("stiffness*(e - 0.1)", {{"stiffness", "N/m"}}), "column 16 | in 1 | in m");
-  refused(refusal("force*exp(e)", {{"force", "N"}}), "column 11 | exp takes a number without unit | in m");
-  refused(refusal("force*e^power", {{"force", "N"}, {"power", "1"}}), "column 8 | a power that is not written");
-  refused(refusal("force*2^limit", {{"force", "N"}, {"limit", "m"}}), "column 9 | exponent is in m");
-  refused(refusal("stiffness*e", {{"stiffness", "N/m"}}, "stiffness*e"), "energy | is in N | must be in J");
-  refused(refusal("stiffness*e", {{"stiffness", "lb/ft"}}), "'lb/ft' of 'stiffness' is not known");
+  units_refused(refusal("stiffness*e/(1 - (e/limit)^2)", {{"stiffness", "N/m"}, {"limit", "1"}}),
+                "column 27 | in m^2 | goes with what is in 1");
+  units_refused(refusal("stiffness*e", {{"stiffness", "N"}}), "force | is in J | must be in N");
+  units_refused(refusal("stiffness*(e - 0.1)", {{"stiffness", "N/m"}}), "column 16 | in 1 | in m");
+  units_refused(refusal("force*exp(e)", {{"force", "N"}}), "column 11 | exp takes a number without unit | in m");
+  units_refused(refusal("force*e^power", {{"force", "N"}, {"power", "1"}}), "column 8 | a power that is not written");
+  units_refused(refusal("force*2^limit", {{"force", "N"}, {"limit", "m"}}), "column 9 | exponent is in m");
+  units_refused(refusal("stiffness*e", {{"stiffness", "N/m"}}, "stiffness*e"), "energy | is in N | must be in J");
+  units_refused(refusal("stiffness*e", {{"stiffness", "lb/ft"}}), "'lb/ft' of 'stiffness' is not known");
 }

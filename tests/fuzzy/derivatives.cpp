@@ -28,7 +28,7 @@ double distance(const Numbers& a, const Numbers& b) {
   return std::max(std::abs(a.value - b.value), std::abs(a.width - b.width));
 }
 
-struct Counts {
+struct Compared {
   std::size_t compared = 0, left_out = 0, not_zero = 0;
   double largest = 0.0;
 };
@@ -40,7 +40,7 @@ constexpr double most_left_out = 0.1;
 // out is a kink at the place, where those to either side are not alike, and one nearby, where those of h and h / 2 are
 // not.
 template <class Function>
-void compare(const Function& at, double by_value, double by_width, Counts& counts) {
+void compare(const Function& at, double by_value, double by_width, Compared& counts) {
   constexpr double h = 1e-5;
   const Numbers wide = difference(at, -h, h), narrow = difference(at, -0.5 * h, 0.5 * h);
   const double scale = 1.0 + std::abs(by_value) + std::abs(by_width);
@@ -59,7 +59,7 @@ void compare(const Function& at, double by_value, double by_width, Counts& count
 }  // namespace
 
 TEST_CASE("derivatives of value and width are those of differences") {
-  Counts counts;
+  Compared counts;
   for (unsigned seed = 0; seed < 100; ++seed) {
     testing::RandomBase random(seed);
     const RuleBase base = random.make(true);
@@ -132,7 +132,7 @@ TEST_CASE("derivatives where no rule applies are 0") {
 }
 
 TEST_CASE("derivatives of a term of an output alone") {
-  Counts counts;
+  Compared counts;
   for (unsigned seed = 0; seed < 30; ++seed) {
     testing::RandomBase random(seed);
     const RuleBase base = random.make(true);

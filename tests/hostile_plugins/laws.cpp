@@ -155,19 +155,19 @@ constexpr springnet_component neuron_component{sizeof(springnet_component),
                                                0,
                                                nullptr,
                                                &neuron};
-constexpr const springnet_component* components[] = {&spring_function, &viscosity_function, &neuron_component};
-constexpr springnet_plugin plugin{SPRINGNET_MAGIC,
-                                  sizeof(springnet_plugin),
-                                  SPRINGNET_ABI_MAJOR,
-                                  SPRINGNET_ABI_MINOR,
-                                  0,
-                                  3,
-                                  0,
-                                  "test.hostile",
-                                  "1",
-                                  "tests",
-                                  "MIT",
-                                  components};
+constexpr const springnet_component* law_components[] = {&spring_function, &viscosity_function, &neuron_component};
+constexpr springnet_plugin law_plugin{SPRINGNET_MAGIC,
+                                      sizeof(springnet_plugin),
+                                      SPRINGNET_ABI_MAJOR,
+                                      SPRINGNET_ABI_MINOR,
+                                      0,
+                                      3,
+                                      0,
+                                      "test.hostile",
+                                      "1",
+                                      "tests",
+                                      "MIT",
+                                      law_components};
 
 struct Way {
   const char* name;
@@ -237,7 +237,7 @@ TEST_CASE("misbehaving laws and neurons end in an error that names them, without
                                                is_neuron                    ? "that is not finite for node"
                                                : deed == Deed::not_a_number ? "of nan for spring"
                                                                             : "of inf for spring");
-                return run_with(plugin, row(material, is_neuron ? LawUse{"hostile", {}} : LawUse{}, large), options,
+                return run_with(law_plugin, row(material, is_neuron ? LawUse{"hostile", {}} : LawUse{}, large), options,
                                 expected);
               });
               const std::string what =

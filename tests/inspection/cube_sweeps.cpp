@@ -14,8 +14,8 @@ using namespace springnet;
 
 namespace {
 
-constexpr double time_step = 0.05;        // s
-constexpr double force_tolerance = 1e-7;  // N; rounding leaves 1e-10 N of the stiffest springs, 40,000 N/m
+constexpr double time_step = 0.05;       // s
+constexpr double cube_tolerance = 1e-7;  // N; rounding leaves 1e-10 N of the stiffest springs, 40,000 N/m
 
 // Fixed at its lower nodes, with small random velocities, so that every motion occurs. Without a floor: contact would
 // stop divergence.
@@ -40,7 +40,7 @@ Network held_cube(double elastic_ratio, double viscous_ratio) {
 
 bool settles(const Network& net, const char* rule) {
   Simulation simulation = testing::simulate(
-      net, testing::recurrent(testing::update_named(rule), force_tolerance, {{"max_sweeps", 5000.0}}), time_step);
+      net, testing::recurrent(testing::update_named(rule), cube_tolerance, {{"max_sweeps", 5000.0}}), time_step);
   try {
     simulation.step();
     return true;

@@ -14,7 +14,7 @@ using testing::plugins;
 
 namespace {
 
-using Kind = Hint::Kind;
+using HintKind = Hint::Kind;
 
 // 4 x 4 x 4 nodes of 0.1 m in all, 1 kg, as soft as flesh.
 struct Block {
@@ -36,7 +36,7 @@ std::vector<Hint> hints_of(const Network& net, const InspectionOptions& options 
 }
 
 // The text of the only hint, if it is of that kind.
-std::string only(const std::vector<Hint>& hints, Kind kind) {
+std::string only(const std::vector<Hint>& hints, HintKind kind) {
   return hints.size() == 1 && hints.front().kind == kind ? hints.front().text : fmt::format("{} hints", hints.size());
 }
 
@@ -58,20 +58,20 @@ TEST_CASE("an ordinary block raises no hint, in its right size from 2 mm to 8 m"
 TEST_CASE("a size in millimetres, taken as metres, and the mass that follows from it") {
   const auto hints = hints_of(Block{200.0, 8e9}.net());
   REQUIRE(hints.size() == 2);
-  CHECK(hints[0].kind == Kind::size);
+  CHECK(hints[0].kind == HintKind::size);
   CHECK(has(hints[0].text, "'block'"));
   CHECK(has(hints[0].text, "200 m"));
   CHECK(has(hints[0].text, "mesh.scale = 0.001"));
-  CHECK(hints[1].kind == Kind::mass);
+  CHECK(hints[1].kind == HintKind::mass);
   CHECK(has(hints[1].text, "8e+09 kg"));
 }
 
 TEST_CASE("a size below a millimetre") {
-  CHECK(has(only(hints_of(Block{2e-4, 8e-9}.net()), Kind::size), "is 0.2 mm large"));
+  CHECK(has(only(hints_of(Block{2e-4, 8e-9}.net()), HintKind::size), "is 0.2 mm large"));
 }
 
 TEST_CASE("masses that no material has in so little room") {
-  CHECK(has(only(hints_of(Block{0.01, 64.0}.net()), Kind::density), "6.4e+07 kg/m^3"));
+  CHECK(has(only(hints_of(Block{0.01, 64.0}.net()), HintKind::density), "6.4e+07 kg/m^3"));
   // A sheet and a chain have no volume to compare with.
   Network sheet;
   sheet.add_lattice("sheet", {.nodes = {5, 5, 1}, .spacing = Vector3::Constant(0.01)}, {.mass = 1.0},
@@ -85,7 +85,7 @@ TEST_CASE("gravity in millimetres") {
   net.set_gravity({0, 0, -9.81});
   CHECK(hints_of(net).empty());
   net.set_gravity({0, 0, -9810});
-  CHECK(has(only(hints_of(net), Kind::gravity), "9810 m/s^2"));
+  CHECK(has(only(hints_of(net), HintKind::gravity), "9810 m/s^2"));
 }
 
 TEST_CASE("nodes behind planes and inside instruments at the start, where they are at that time") {
@@ -101,7 +101,7 @@ TEST_CASE("nodes behind planes and inside instruments at the start, where they a
   CHECK(hints_of(above).empty());
   Network behind = net;
   behind.add_plane(plane(0.04));
-  CHECK(has(only(hints_of(behind), Kind::start),
+  CHECK(has(only(hints_of(behind), HintKind::start),
             "32 nodes are behind plane 'floor' (number 0) at the start, node 0 by 0.04 m"));
   for (NodeIndex k = 0; k < 32; ++k) behind.fix(k);  // a surface does not see them
   CHECK(hints_of(behind).empty());
@@ -113,7 +113,7 @@ TEST_CASE("nodes behind planes and inside instruments at the start, where they a
   ball.motion->times = {0.0, 1.0};
   ball.motion->displacements = {Vector3(0, 0, -0.105), Vector3::Zero()};  // at the start in the upper corner
   net.add_instrument(ball);
-  CHECK(has(only(hints_of(net), Kind::start), "1 node is inside instrument 0 at the start, node 48 by 0.005 m"));
+  CHECK(has(only(hints_of(net), HintKind::start), "1 node is inside instrument 0 at the start, node 48 by 0.005 m"));
 }
 
 TEST_CASE("what falls for ever, and what does not") {
@@ -121,7 +121,7 @@ TEST_CASE("what falls for ever, and what does not") {
   options.duration = 2.0;
   Network falling = Block().net();
   falling.set_gravity({0, 0, -9.81});
-  const std::string text = only(hints_of(falling, options), Kind::fall);
+  const std::string text = only(hints_of(falling, options), HintKind::fall);
   CHECK(has(text, "1 part falls freely (the largest from node 0, 64 nodes), 19.6 m in 2 s"));
   CHECK_FALSE(hints_of(falling).empty());
   options.duration = 0.1;  // 5 cm of its 10: a moment's flight
@@ -136,7 +136,7 @@ TEST_CASE("what falls for ever, and what does not") {
   CHECK(hints_of(landing, options).empty());
   Network beside = falling;
   beside.add_plane({.name = "wall", .point = {-1, 0, 0}, .normal = {1, 0, 0}});
-  CHECK(only(hints_of(beside, options), Kind::fall) == text);
+  CHECK(only(hints_of(beside, options), HintKind::fall) == text);
   Network in_space = Block().net();
   CHECK(hints_of(in_space, options).empty());
 }
@@ -165,7 +165,7 @@ TEST_CASE("time steps that are too long for the slowest vibration, unless it is 
     return hints_of(testing::oscillator(testing::damped(4.0, damping), 1.0, 0.0), options);
   };
   CHECK(hints(0.3, 0.0).empty());  // a period of 3.14 s
-  const std::string text = only(hints(0.5, 0.0), Kind::time_step);
+  const std::string text = only(hints(0.5, 0.0), HintKind::time_step);
   CHECK(has(text, "a period of 3.14 s, 6.3 time steps"));
   CHECK(has(text, "time_step of 0.2 s"));
   CHECK(hints(0.5, 3.0).empty());        // damping ratio 0.75
@@ -185,7 +185,7 @@ TEST_CASE("linear tables that look sampled are told of, not those of a few entri
     net.add_plane({.name = "plate", .point = {0, 0, -9}, .motion = motion});
     return hints_of(net);
   };
-  const std::string text = only(with_plane(sampled), Kind::kinks);
+  const std::string text = only(with_plane(sampled), HintKind::kinks);
   CHECK(
       has(text, "The motion of plane 'plate' (number 0) is a linear table: its velocity jumps at 9 of its 11 entries"));
   // sin(0.157 k) bends most at the end: 4 sin^2(0.157 / 2) sin(0.157 * 9) / 0.1 s.
@@ -204,7 +204,7 @@ TEST_CASE("linear tables that look sampled are told of, not those of a few entri
 
   Network moved = Block().net();
   moved.add_move({{0}, sampled});
-  CHECK(has(only(hints_of(moved), Kind::kinks), "The motion of the nodes of move 0"));
+  CHECK(has(only(hints_of(moved), HintKind::kinks), "The motion of the nodes of move 0"));
   Network turned = Block().net();
   Instrument ball;
   ball.first = ball.second = {0, 0, -9};
@@ -213,7 +213,7 @@ TEST_CASE("linear tables that look sampled are told of, not those of a few entri
   ball.turn->times = {0, 1, 2, 3};
   ball.turn->angles = {0, 1, 0, 1};
   turned.add_instrument(ball);
-  CHECK(has(only(hints_of(turned), Kind::kinks),
+  CHECK(has(only(hints_of(turned), HintKind::kinks),
             "The turn of instrument 0 is a linear table: its velocity jumps at 2 of"
             " its 4 entries, by up to 2 rad/s"));
 }

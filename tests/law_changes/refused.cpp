@@ -6,17 +6,14 @@
 
 #include <springnet/error.hpp>
 
+#include "facts.hpp"
 #include "mixed_net.hpp"
 #include "refusal.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
 
-namespace {
-
-bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("errors name the spring, the law, the parameter and the nearest names; nothing is changed") {
   const MixedNet net(true, 3);

@@ -16,7 +16,7 @@ using namespace springnet::testing;
 namespace {
 
 // A chain that hangs from a fixed node, with a force at its end.
-Network hanging(const Vector3& gravity, double stiffness = 60.0) {
+Network hanging_in(const Vector3& gravity, double stiffness = 60.0) {
   Network net = chain(5, {0, 0, 0}, {0.8, 0, -0.6}, damped(stiffness, 0.6));
   net.fix(0);
   net.set_gravity(gravity);
@@ -39,8 +39,8 @@ LearnedNet learned_from(const Network& real, const Network& guess, const std::ve
 
 TEST_CASE("the direction of gravity is recovered from motion, also with stiffnesses, and written") {
   const Vector3 real(1.5, -0.7, -9.6);
-  const Network guess = hanging({0, 0, -9.81}, 45.0);
-  const LearnedNet learned = learned_from(hanging(real), guess, {"gravity", "spring.stiffness"});
+  const Network guess = hanging_in({0, 0, -9.81}, 45.0);
+  const LearnedNet learned = learned_from(hanging_in(real), guess, {"gravity", "spring.stiffness"});
   CAPTURE(learned.reason);
   CHECK(learned.undetermined == 0);
   REQUIRE(learned.parameters.size() == 7);
@@ -62,13 +62,13 @@ TEST_CASE("the direction of gravity is recovered from motion, also with stiffnes
 
 TEST_CASE("the strength of gravity keeps its direction, a component the others") {
   const Vector3 down(0.6, 0.0, -0.8);
-  const LearnedNet together = learned_from(hanging(9.81 * down), hanging(7.0 * down), {"gravity:together"});
+  const LearnedNet together = learned_from(hanging_in(9.81 * down), hanging_in(7.0 * down), {"gravity:together"});
   REQUIRE(together.parameters.size() == 2);  // y is 0, and stays so
   CHECK(together.variables == 1);
   CHECK(together.parameters[0].value == doctest::Approx(9.81 * down[0]).epsilon(1e-8));
   CHECK(together.parameters[1].member == 2);
   CHECK(together.parameters[1].value == doctest::Approx(9.81 * down[2]).epsilon(1e-8));
-  const LearnedNet one = learned_from(hanging({0.3, 0.4, -9.0}), hanging({0.3, 0.4, -5.0}), {"gravity@z"});
+  const LearnedNet one = learned_from(hanging_in({0.3, 0.4, -9.0}), hanging_in({0.3, 0.4, -5.0}), {"gravity@z"});
   REQUIRE(one.parameters.size() == 1);
   CHECK(one.parameters[0].value == doctest::Approx(-9.0).epsilon(1e-8));
 }
@@ -76,7 +76,7 @@ TEST_CASE("the strength of gravity keeps its direction, a component the others")
 TEST_CASE("masses, stiffnesses, dampings and forces have one factor in common, gravity has it not") {
   const std::vector<const char*> all{"mass:together", "spring.stiffness:together", "viscosity.damping:together",
                                      "load"};
-  const Network net = hanging({0, 0, -9.81});
+  const Network net = hanging_in({0, 0, -9.81});
   CHECK(learned_from(net, net, all).undetermined == 1);
   std::vector<const char*> with_gravity = all;
   with_gravity.push_back("gravity");
@@ -93,11 +93,11 @@ TEST_CASE("gravity that is not there, or another one in each experiment, is refu
   const auto refused = [&](const Network& of, const char* text) {
     return refusal_of([&] { static_cast<void>(select_learnable(of, *plugins(), text)); });
   };
-  CHECK(refused(hanging({0, 0, 0}), "gravity").find("there is no gravity") != std::string::npos);
-  CHECK(refused(hanging({0, 0, -9.81}), "gravity@down").find("x, y or z") != std::string::npos);
-  CHECK(refused(hanging({0, 0, -9.81}), "gravity@x:together").find("is 0, and stays so") != std::string::npos);
+  CHECK(refused(hanging_in({0, 0, 0}), "gravity").find("there is no gravity") != std::string::npos);
+  CHECK(refused(hanging_in({0, 0, -9.81}), "gravity@down").find("x, y or z") != std::string::npos);
+  CHECK(refused(hanging_in({0, 0, -9.81}), "gravity@x:together").find("is 0, and stays so") != std::string::npos);
   const SimulationOptions options = to_learn_with(0.5, 0.02);
-  const Network upright = hanging({0, 0, -9.81}), turned = hanging({9.81, 0, 0});
+  const Network upright = hanging_in({0, 0, -9.81}), turned = hanging_in({9.81, 0, 0});
   Simulation one(upright, plugins(), options), other(turned, plugins(), options);
   const std::vector<Experiment> both{experiment(upright, options, observe(one, 5, {4})),
                                      experiment(turned, options, observe(other, 5, {4}))};

@@ -13,6 +13,7 @@
 #include <springnet/error.hpp>
 #include <springnet/scene.hpp>
 
+#include "facts.hpp"
 #include "learning_nets.hpp"
 #include "refusal.hpp"
 
@@ -22,13 +23,12 @@ using Kind = LearnedValues::Kind;
 
 namespace {
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 bool has_note(const LearnedNet& learned, const std::string& part) {
   return std::any_of(learned.notes.begin(), learned.notes.end(), [&](const auto& note) { return has(note, part); });
 }
 
 // A chain that hangs and swings; the masses of all nodes but the first, which is fixed, are its own.
-Network hanging(const std::vector<double>& masses) {
+Network hanging_chain(const std::vector<double>& masses) {
   const auto count = static_cast<std::uint32_t>(masses.size()) + 1;
   Network net = chain(count, {0, 0, 0}, {1, 0, 0}, damped(40.0, 1.0));
   net.fix(0);
@@ -46,14 +46,14 @@ const Learnable all_masses{{Kind::mass, false, "", from_to(1, 7)}};
 
 // Of the end of the chain alone, or of other nodes.
 Observations seen_with(double noise, std::uint64_t seed = 1, const std::vector<std::uint32_t>& nodes = {6}) {
-  Simulation real(hanging(real_masses), plugins(), half_steps);
+  Simulation real(hanging_chain(real_masses), plugins(), half_steps);
   Observations seen = observe(real, 40, nodes, noise, seed);
   if (noise > 0.0)
     for (auto& each : seen.positions) each.weight = Vector3::Constant(1.0 / (noise * noise));
   return seen;
 }
 LearnedNet learn_masses(const std::vector<double>& guess, Observations seen, const LearnOptions& options = {}) {
-  return learn({experiment(hanging(guess), half_steps, std::move(seen))}, plugins(), {all_masses}, options);
+  return learn({experiment(hanging_chain(guess), half_steps, std::move(seen))}, plugins(), {all_masses}, options);
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ TEST_CASE("differences that are no noise are told, and noise is not") {
   CHECK(bolder.fit.share_of_motion == doctest::Approx(good.fit.share_of_motion).epsilon(1e-3));
   CHECK(learn_masses(guess, plain).fit.warning.empty());
   // Masses alone cannot make up for springs that are three times as stiff, with or without standard deviations.
-  Network wrong = hanging(guess);
+  Network wrong = hanging_chain(guess);
   wrong.set_gravity({0, 0, -6});
   for (const double noise : {0.0, 0.002}) {
     CAPTURE(noise);
@@ -153,7 +153,7 @@ TEST_CASE("differences that are no noise are told, and noise is not") {
 
 TEST_CASE("observations of the start alone are told as such, and no minimum is blamed") {
   Observations start;
-  start.positions = {row(0.0, 2, hanging({1, 1, 1, 1, 1, 1}).nodes()[2].position + Vector3(0, 0, 0.1))};
+  start.positions = {row(0.0, 2, hanging_chain({1, 1, 1, 1, 1, 1}).nodes()[2].position + Vector3(0, 0, 0.1))};
   const LearnedNet learned = learn_masses(std::vector<double>(6, 1.0), start);
   CHECK(learned.fit.warning.empty());
   CHECK(has_note(learned, "Only the start was observed"));
@@ -161,7 +161,7 @@ TEST_CASE("observations of the start alone are told as such, and no minimum is b
 
 TEST_CASE("experiments whose masses or rest lengths are not those of the first are told") {
   const std::vector<double> guess(6, 1.0);
-  Network heavier = hanging(guess);
+  Network heavier = hanging_chain(guess);
   Node node = heavier.nodes()[3];
   node.mass = 2.0;
   heavier.set_node(3, node);
@@ -170,8 +170,8 @@ TEST_CASE("experiments whose masses or rest lengths are not those of the first a
   LearnOptions options;
   options.max_iterations = 1;
   options.stages = 1;
-  const Experiment first = experiment(hanging(guess), half_steps, seen_with(0.002)),
-                   same = experiment(hanging(guess), half_steps, seen_with(0.002)),
+  const Experiment first = experiment(hanging_chain(guess), half_steps, seen_with(0.002)),
+                   same = experiment(hanging_chain(guess), half_steps, seen_with(0.002)),
                    other = experiment(heavier, half_steps, seen_with(0.002));
   CHECK(has_note(learn({first, other}, plugins(), {stiffness}, options),
                  "Experiment 2 has other masses and rest lengths than the first"));
@@ -218,7 +218,7 @@ TEST_CASE("a value that the guess holds outside of its interval is told") {
 TEST_CASE("observations that are held out judge what was learned") {
   const std::vector<double> guess(6, 1.0);
   const auto judged = [&](Observations seen, Observations held_out) {
-    Experiment own = experiment(hanging(guess), half_steps, std::move(seen));
+    Experiment own = experiment(hanging_chain(guess), half_steps, std::move(seen));
     own.held_out = std::move(held_out);
     return learn({own}, plugins(), {all_masses});
   };
@@ -240,19 +240,20 @@ TEST_CASE("observations that are held out judge what was learned") {
   const LearnedNet bad = judged(little, seen_with(0.05, 4, {3, 5}));
   CHECK(has_note(bad, "held out"));
   // An experiment of its own: the same net, thrown.
-  Network thrown = hanging(real_masses);
+  Network thrown = hanging_chain(real_masses);
   Node end = thrown.nodes()[6];
   end.velocity = {0, 2, 0};
   thrown.set_node(6, end);
   Simulation real(thrown, plugins(), half_steps);
   Experiment judging;
-  Network thrown_guess = hanging(guess);
+  Network thrown_guess = hanging_chain(guess);
   end.mass = 1.0;
   thrown_guess.set_node(6, end);
   judging.network = std::make_shared<const Network>(thrown_guess);
   judging.options = half_steps;
   judging.held_out = observe(real, 40, from_to(1, 7));
-  const std::vector<Experiment> both{experiment(hanging(guess), half_steps, seen_with(0.0, 1, {2, 4, 6})), judging};
+  const std::vector<Experiment> both{experiment(hanging_chain(guess), half_steps, seen_with(0.0, 1, {2, 4, 6})),
+                                     judging};
   const LearnedNet other = learn(both, plugins(), {all_masses});
   CHECK(other.held_out.observed == 40 * 6 * 3);
   CHECK(other.held_out.start_rms > 0.01);
@@ -268,7 +269,7 @@ TEST_CASE("observations that are held out judge what was learned") {
 
 TEST_CASE("what the time step takes from the prediction of held-out observations is estimated") {
   // Without noise, from a motion with far smaller steps: what is left is of the step alone.
-  Simulation real(hanging(real_masses), plugins(), to_learn_with(1.0, 0.05 / 40));
+  Simulation real(hanging_chain(real_masses), plugins(), to_learn_with(1.0, 0.05 / 40));
   Observations seen, held_out;
   for (int i = 1; i <= 40 * 40; ++i) {
     real.step();
@@ -277,7 +278,7 @@ TEST_CASE("what the time step takes from the prediction of held-out observations
     for (const NodeIndex k : {3u, 5u}) held_out.positions.push_back(row(real.time(), k, real.position(k)));
   }
   const auto judged = [&](double step) {
-    Experiment own = experiment(hanging(real_masses), to_learn_with(1.0, step), seen);
+    Experiment own = experiment(hanging_chain(real_masses), to_learn_with(1.0, step), seen);
     own.held_out = held_out;
     return learn({own}, plugins(),
                  {{{Kind::spring_parameter, false, "stiffness", from_to(0, 6)}, true},
@@ -338,8 +339,8 @@ TEST_CASE("values at bounds are told") {
   Learnable bounded = all_masses;
   bounded.upper = 1.15;  // two of them are greater
   const LearnedNet learned =
-      learn({experiment(hanging(std::vector<double>(6, 1.0)), half_steps, seen_with(0.0, 1, from_to(1, 7)))}, plugins(),
-            {bounded});
+      learn({experiment(hanging_chain(std::vector<double>(6, 1.0)), half_steps, seen_with(0.0, 1, from_to(1, 7)))},
+            plugins(), {bounded});
   CHECK(has_note(learned,
                  "are at a bound; the observations would have them beyond, or the model is not theirs: mass of "
                  "nodes "));

@@ -10,6 +10,7 @@
 #include <springnet/error.hpp>
 #include <springnet/scene_writer.hpp>
 
+#include "facts.hpp"
 #include "learning_nets.hpp"
 #include "refusal.hpp"
 
@@ -41,8 +42,6 @@ Observations of_oscillator(double until, double noise = 0.0, std::uint64_t seed 
   }
   return result;
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

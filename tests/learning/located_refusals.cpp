@@ -10,6 +10,7 @@
 #include <springnet/error.hpp>
 #include <springnet/motion_derivatives.hpp>
 
+#include "facts.hpp"
 #include "motion_loss.hpp"
 #include "touching_nets.hpp"
 
@@ -18,8 +19,6 @@ using namespace springnet::testing;
 using Kind = LearnedValues::Kind;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // What is said of a motion whose first mass is learned, or of its derivatives.
 std::string refusal_of_motion(const Network& net, double duration, double theta = 0.5) {

@@ -27,14 +27,14 @@ using Kind = LearnedValues::Kind;
 
 namespace {
 
-const Vector3 up = Vector3::UnitZ();
+const Vector3 upwards = Vector3::UnitZ();
 
 // A tetrahedron of six connections at this height that carries a node on springs.
 Network carried_at(double height, const Vector3& velocity, const Plane& plane, std::uint64_t seed) {
   Network net;
   Dice dice(seed);
   for (const Vector3& at : {Vector3(0, 0, 0), Vector3(0.3, 0, 0.06), Vector3(0, 0.4, 0.11), Vector3(0.1, 0.1, 0.5)})
-    net.add_node(point(at + dice.in_box(0.02) + height * up, dice.between(0.5, 2.0), velocity));
+    net.add_node(point(at + dice.in_box(0.02) + height * upwards, dice.between(0.5, 2.0), velocity));
   for (NodeIndex a = 0; a < 4; ++a)
     for (NodeIndex b = a + 1; b < 4; ++b) net.add_rigid(a, b);
   const MaterialIndex soft = net.add_material(damped(50.0, 0.5));
@@ -90,11 +90,11 @@ TEST_CASE("a rigid rod that bounces on its end moves on as its masses and gravit
   Network net;
   const Vector3 velocity(Rod::across, 0, Rod::speed);
   net.add_node(point({0, 0, Rod::height}, rod.first, velocity));
-  net.add_node(point(Vector3(std::cos(Rod::angle), 0, std::sin(Rod::angle)) * Rod::length + Rod::height * up,
+  net.add_node(point(Vector3(std::cos(Rod::angle), 0, std::sin(Rod::angle)) * Rod::length + Rod::height * upwards,
                      rod.second, velocity));
   net.add_rigid(0, 1);
   net.set_gravity({0, 0, -rod.gravity});
-  net.add_plane(floor_with(smooth, up, Rod::restitution));
+  net.add_plane(floor_with(smooth, upwards, Rod::restitution));
   double errors[2];
   for (const int halving : {0, 1}) {
     MotionDerivatives motion(std::make_shared<const Network>(net), plugins(), rigid_steps(0.5, 0.0025 / (1 << halving)),
@@ -241,7 +241,7 @@ TEST_CASE("a stiffness and the masses of a dumbbell that bounces and tumbles are
     net.add_spring(0, 2, soft);
     net.add_spring(1, 2, soft);
     net.set_gravity({0, 0, -9.81});
-    net.add_plane(floor_with(held, up, 0.5));
+    net.add_plane(floor_with(held, upwards, 0.5));
     return net;
   };
   const SimulationOptions options = located(0.5, 0.005);

@@ -24,7 +24,7 @@ using Kind = LearnedValues::Kind;
 namespace {
 
 // A block that hangs from one of its corners and swings.
-std::shared_ptr<const Network> swinging() {
+std::shared_ptr<const Network> swinging_net() {
   Network net;
   Lattice lattice;
   lattice.nodes = {2, 2, 3};
@@ -58,7 +58,7 @@ struct Found {
   MotionDerivatives::Kept after_adjoint, at_end;
 };
 Found find(std::size_t memory) {
-  const auto net = swinging();
+  const auto net = swinging_net();
   const std::size_t springs = net->springs().size();
   MotionDerivatives motion(net, plugins(), method(0.5, newton, 0.01), 6.47,
                            {{Kind::spring_parameter, false, "stiffness", all(springs)},
@@ -119,7 +119,7 @@ TEST_CASE("a motion in little memory has the same derivatives, bit by bit, for t
 }
 
 TEST_CASE("states of a motion in little memory are found in any order") {
-  const auto net = swinging();
+  const auto net = swinging_net();
   MotionDerivatives motion(net, plugins(), method(1.0, newton, 0.01), 3.0, {{Kind::mass, false, "", {3}}});
   motion.run(motion.values_of_network());
   std::vector<Eigen::Matrix3Xd> positions;

@@ -14,6 +14,7 @@
 #include <springnet/error.hpp>
 #include <springnet/host_laws.hpp>
 
+#include "facts.hpp"
 #include "learning_nets.hpp"
 #include "refusal.hpp"
 
@@ -23,8 +24,6 @@ namespace sdk = springnet::sdk;
 using Kind = LearnedValues::Kind;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 const SimulationOptions options_of_chain = to_learn_with(0.5, 0.05);
 

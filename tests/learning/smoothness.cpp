@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double step = 0.02, seen_to = 0.01;  // s, m
+constexpr double time_step = 0.02, seen_to = 0.01;  // s, m
 
 // A mass on a stiff spring that rings, beside a soft one that is seen; both hang.
 Network ringing(double stiffness, double damping) {
@@ -53,7 +53,8 @@ double cost_of(const Network& net, const SimulationOptions& options, const Obser
     }
   }
   for (std::size_t k = 1; k + 1 < velocities.size(); ++k)
-    cost += 0.5 * ((velocities[k + 1] - 2.0 * velocities[k] + velocities[k - 1]) / (step * smoothness)).squaredNorm();
+    cost +=
+        0.5 * ((velocities[k + 1] - 2.0 * velocities[k] + velocities[k - 1]) / (time_step * smoothness)).squaredNorm();
   return cost;
 }
 
@@ -65,7 +66,7 @@ std::vector<Learnable> both(const Network& net) {
 }  // namespace
 
 TEST_CASE("a search with smoothness ends at the minimum of the cost that simulations alone tell") {
-  const SimulationOptions options = to_learn_with(0.5, step);
+  const SimulationOptions options = to_learn_with(0.5, time_step);
   const Observations observed = seen(ringing(80.0, 0.4), options, 3);
   const Network guess = ringing(60.0, 0.8);
   for (const Optimiser optimiser : {Optimiser::levenberg_marquardt, Optimiser::lbfgs}) {
@@ -98,7 +99,7 @@ TEST_CASE("a search with smoothness ends at the minimum of the cost that simulat
 }
 
 TEST_CASE("smoothness is no observation") {
-  const SimulationOptions options = to_learn_with(0.5, step);
+  const SimulationOptions options = to_learn_with(0.5, time_step);
   const Network guess = ringing(60.0, 0.8);
   const Observations observed = seen(ringing(80.0, 0.4), options, 3);
   const auto learned_with = [&](double smoothness) {
@@ -123,7 +124,7 @@ TEST_CASE("smoothness is no observation") {
 }
 
 TEST_CASE("smoothness is of each experiment, beside a guess, whatever the memory") {
-  const SimulationOptions options = to_learn_with(0.5, step);
+  const SimulationOptions options = to_learn_with(0.5, time_step);
   const Network real = ringing(80.0, 0.4), guess = ringing(60.0, 0.8);
   Network pushed = guess;
   pushed.set_gravity({3.0, 0, -9.81});
@@ -165,7 +166,7 @@ TEST_CASE("smoothness is of each experiment, beside a guess, whatever the memory
 
 TEST_CASE("what smoothness alone determines stays as it found it, and intervals are what the data say") {
   // Of two chains one is seen; the dampings of the other, which rings, are in no observation.
-  const SimulationOptions options = to_learn_with(0.5, step);
+  const SimulationOptions options = to_learn_with(0.5, time_step);
   const auto two = [](double damping) {
     Network net = ringing(80.0, 0.4);
     const MaterialIndex material = net.add_material(damped(80.0, damping));
@@ -204,7 +205,7 @@ TEST_CASE("what smoothness alone determines stays as it found it, and intervals 
 }
 
 TEST_CASE("a smoothness that is none is refused") {
-  const SimulationOptions options = to_learn_with(0.5, step);
+  const SimulationOptions options = to_learn_with(0.5, time_step);
   const Network guess = ringing(60.0, 0.8);
   for (const double wrong : {0.0, -1.0, std::nan("")}) {
     CAPTURE(wrong);

@@ -26,7 +26,7 @@ Course ramp(double seconds) {
   course.ramp = seconds;
   return course;
 }
-Course table(Motion::Interpolation interpolation) {
+Course uneven_course(Motion::Interpolation interpolation) {
   Course course;
   course.times = {0.11, 0.3, 0.42, 0.9};
   course.factors = {0.0, 2.0, -1.0, 0.5};
@@ -38,8 +38,8 @@ std::vector<Course> all_courses() {
   return {{},
           sinusoid(3.7, 0.4, 0.2),
           ramp(0.33),
-          table(Motion::Interpolation::linear),
-          table(Motion::Interpolation::smooth)};
+          uneven_course(Motion::Interpolation::linear),
+          uneven_course(Motion::Interpolation::smooth)};
 }
 
 Network under(Network net, const Vector3& force, const Course& course, double from, double until) {
@@ -137,7 +137,7 @@ TEST_CASE("a load that rises presses a node down, and one that swings lifts it a
     net.add_node(point({0, 0, 0}));
     net.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ()});
     Load load{{0}, {0, 0, -2}, 0.0};
-    load.course = sinusoid(0.5, 0.5 * pi);  // cosine: it turns upwards after half a second
+    load.course = sinusoid(0.5, 0.5 * pi);  // cosine: it turns up after half a second
     net.add_load(load);
     Simulation simulation = simulate(net, way, 0.02);
     simulation.advance_to(0.4);

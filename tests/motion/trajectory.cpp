@@ -9,13 +9,14 @@
 
 #include "network/trajectory.hpp"
 
+#include "not_finite.hpp"
+
 using springnet::Motion;
 using springnet::Trajectory;
 using springnet::Vector3;
+using springnet::testing::inf;
 
 namespace {
-
-const double inf = std::numeric_limits<double>::infinity();
 
 Motion table(std::vector<double> times, std::vector<Vector3> displacements,
              Motion::Interpolation interpolation = Motion::Interpolation::smooth) {

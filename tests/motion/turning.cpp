@@ -5,13 +5,14 @@
 
 #include "network/turning.hpp"
 
+#include "not_finite.hpp"
+
 using springnet::Motion;
 using springnet::Turn;
 using springnet::Turning;
+using springnet::testing::inf;
 
 namespace {
-
-const double inf = std::numeric_limits<double>::infinity();
 
 void check(const Turning::Sample& sample, double angle, double rate, double acceleration) {
   // Rounding of a few operations on numbers up to 10.

@@ -18,20 +18,20 @@ using springnet::Vector3;
 
 namespace {
 
-springnet::MaterialIndex linear(Network& network) {
+springnet::MaterialIndex add_linear(Network& network) {
   return network.add_material({springnet::LawUse{"linear", {{"stiffness", 3.0}}}, std::nullopt});
 }
 
 Network lattice_of(std::array<std::uint32_t, 3> nodes, Diagonals diagonals, const Vector3& spacing = Vector3::Ones(),
                    const Vector3& origin = Vector3::Zero()) {
   Network network;
-  network.add_lattice("lattice", {nodes, spacing, origin, diagonals}, {}, linear(network));
+  network.add_lattice("lattice", {nodes, spacing, origin, diagonals}, {}, add_linear(network));
   return network;
 }
 
 std::string error_of(const Lattice& lattice) {
   Network network;
-  const auto material = linear(network);
+  const auto material = add_linear(network);
   try {
     network.add_lattice("big", lattice, {}, material);
   } catch (const springnet::Error& error) {
@@ -132,7 +132,7 @@ TEST_CASE("one node in a direction: a plane, a row, a point") {
 
 TEST_CASE("mass, velocity and neuron are those of the prototype, the body has its ranges") {
   Network network;
-  const auto material = linear(network);
+  const auto material = add_linear(network);
   const auto neuron = network.add_neuron({"dragged", {{"drag", 2.0}}});
   springnet::Node prototype;
   prototype.mass = 3;
@@ -183,7 +183,7 @@ TEST_CASE("more nodes or springs than 32-bit numbers are refused before any memo
 
 TEST_CASE("a name in use leaves the network as it was") {
   Network network;
-  const auto material = linear(network);
+  const auto material = add_linear(network);
   const Lattice lattice{{2, 2, 2}, Vector3::Ones(), Vector3::Zero(), Diagonals::none};
   network.add_lattice("a", lattice, {}, material);
   CHECK_THROWS_WITH_AS(network.add_lattice("a", lattice, {}, material), doctest::Contains("bodies 'a'"),

@@ -10,16 +10,16 @@
 #include <springnet/network.hpp>
 
 #include "facts.hpp"
+#include "not_finite.hpp"
 
 using springnet::LawUse;
 using springnet::Material;
 using springnet::Network;
 using springnet::Vector3;
+using springnet::testing::inf;
+using springnet::testing::nan_value;
 
 namespace {
-
-const double nan_value = std::numeric_limits<double>::quiet_NaN();
-const double inf = std::numeric_limits<double>::infinity();
 
 const Material linear{LawUse{"linear", {{"stiffness", 3.0}}}, std::nullopt};
 

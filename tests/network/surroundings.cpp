@@ -12,6 +12,7 @@
 #include <springnet/network.hpp>
 
 #include "facts.hpp"
+#include "not_finite.hpp"
 
 using springnet::Friction;
 using springnet::Instrument;
@@ -21,11 +22,10 @@ using springnet::NodeIndex;
 using springnet::Plane;
 using springnet::Turn;
 using springnet::Vector3;
+using springnet::testing::inf;
+using springnet::testing::nan_value;
 
 namespace {
-
-const double nan_value = std::numeric_limits<double>::quiet_NaN();
-const double inf = std::numeric_limits<double>::infinity();
 
 // Four nodes at the corners of a square of 1 m.
 Network square() {

@@ -17,19 +17,19 @@
 #include <springnet/plugin_host.hpp>
 
 #include "child.hpp"
+#include "facts.hpp"
 #include "temporary_folder.hpp"
 
 namespace fs = std::filesystem;
 using springnet::ComponentKind;
 using springnet::PluginHost;
+using springnet::testing::has;
 
 namespace {
 
 const fs::path fixtures = FIXTURES;
 
 fs::path fixture(const std::string& name) { return fixtures / name / (name + ".springnet" LIBRARY_SUFFIX); }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // An environment variable for the time of a test.
 class Environment {
@@ -85,11 +85,11 @@ TEST_CASE("pipes, devices and sockets are refused, not opened") {
     return text;
   });
   CAPTURE(reasons);
-  CHECK(contains(reasons, "dangling" + ending + ": cannot be opened"));
-  CHECK(contains(reasons, "link" + ending + ": cannot be loaded as a library (it is a named pipe)"));
-  CHECK(contains(reasons, "loop" + ending + ": cannot be opened"));
-  CHECK(contains(reasons, "zero" + ending + ": cannot be loaded as a library (it is a device)"));
-  CHECK_FALSE(contains(reasons, "pipe" + ending));  // looked at already, behind the link
+  CHECK(has(reasons, "dangling" + ending + ": cannot be opened"));
+  CHECK(has(reasons, "link" + ending + ": cannot be loaded as a library (it is a named pipe)"));
+  CHECK(has(reasons, "loop" + ending + ": cannot be opened"));
+  CHECK(has(reasons, "zero" + ending + ": cannot be loaded as a library (it is a device)"));
+  CHECK_FALSE(has(reasons, "pipe" + ending));  // looked at already, behind the link
 }
 
 TEST_CASE("a plugin that was copied in part is refused, wherever it ends") {
@@ -107,7 +107,7 @@ TEST_CASE("a plugin that was copied in part is refused, wherever it ends") {
     });
     CAPTURE(bytes);
     CAPTURE(reason);
-    CHECK((reason.empty() || contains(reason, "cannot be loaded as a library (")));
+    CHECK((reason.empty() || has(reason, "cannot be loaded as a library (")));
     refused += reason.empty() ? 0 : 1;
   }
   CHECK(refused >= 4);
@@ -143,7 +143,7 @@ TEST_CASE("every file that is not a plugin is refused with the reason and the re
     REQUIRE(host.refusals().size() == 1);
     CHECK(host.refusals()[0].file == fixture(c.name));
     CAPTURE(host.refusals()[0].reason);
-    for (const std::string& word : c.words) CHECK(contains(host.refusals()[0].reason, word));
+    for (const std::string& word : c.words) CHECK(has(host.refusals()[0].reason, word));
   }
 }
 
@@ -169,7 +169,7 @@ TEST_CASE("a file without a note of this ABI is refused before it is opened: its
     CHECK(std::getenv(trace) == nullptr);
     REQUIRE(host.refusals().size() == 1);
     CAPTURE(host.refusals()[0].reason);
-    for (const std::string& word : c.words) CHECK(contains(host.refusals()[0].reason, word));
+    for (const std::string& word : c.words) CHECK(has(host.refusals()[0].reason, word));
   }
   // Of a file with its note they do.
   PluginHost host;
@@ -203,7 +203,7 @@ TEST_CASE("a file whose segments are the same millions of notes is refused at on
   CHECK_FALSE(host.load(file));
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));  // an hour if it read all of them
   REQUIRE(host.refusals().size() == 1);
-  CHECK(contains(host.refusals()[0].reason, "it has no note"));
+  CHECK(has(host.refusals()[0].reason, "it has no note"));
 }
 #endif
 
@@ -211,7 +211,7 @@ TEST_CASE("a file that is not there is refused") {
   PluginHost host;
   CHECK_FALSE(host.load(fixtures / "nowhere.springnet.so"));
   REQUIRE(host.refusals().size() == 1);
-  CHECK(contains(host.refusals()[0].reason, "cannot be opened (No such file"));
+  CHECK(has(host.refusals()[0].reason, "cannot be opened (No such file"));
 }
 
 TEST_CASE("of two files with a plugin of one id the first is kept") {
@@ -221,11 +221,11 @@ TEST_CASE("of two files with a plugin of one id the first is kept") {
   CHECK(host.components().size() == 1);
   const std::string reason = host.refusals().back().reason;
   CAPTURE(reason);
-  CHECK(contains(reason,
-                 "spring function 'fixture' is already provided by a plugin of the same id, "
-                 "org.example.fixture 1.2.3"));
-  CHECK(contains(reason, fixture("good").string()));
-  CHECK(contains(reason, "remove one of the two"));
+  CHECK(has(reason,
+            "spring function 'fixture' is already provided by a plugin of the same id, "
+            "org.example.fixture 1.2.3"));
+  CHECK(has(reason, fixture("good").string()));
+  CHECK(has(reason, "remove one of the two"));
 
   // The other way round it is the other one that is kept.
   PluginHost reverse;
@@ -283,7 +283,7 @@ TEST_CASE("a folder: files by name, other endings ignored, a missing folder reco
   host.search(fixtures / "nowhere");
   REQUIRE(host.refusals().size() == 2);
   CHECK(host.refusals()[1].file == fixtures / "nowhere");
-  CHECK(contains(host.refusals()[1].reason, "folder cannot be read"));
+  CHECK(has(host.refusals()[1].reason, "folder cannot be read"));
 }
 
 TEST_CASE("default search: folders given, then SPRINGNET_PLUGIN_PATH, then the library's own") {
@@ -332,7 +332,7 @@ TEST_CASE("the working directory is never searched") {
   CHECK(host.find(ComponentKind::spring_function, "fixture") == nullptr);
   REQUIRE(host.refusals().size() == 1);
   CHECK(host.refusals()[0].file == ".");
-  CHECK(contains(host.refusals()[0].reason, "absolute path"));
+  CHECK(has(host.refusals()[0].reason, "absolute path"));
 }
 
 TEST_CASE("an unknown component: nearest names, all known ones, and refused files") {
@@ -348,8 +348,8 @@ TEST_CASE("an unknown component: nearest names, all known ones, and refused file
     message = error.what();
   }
   CAPTURE(message);
-  CHECK(contains(message, "there is no spring function 'fixtrue'; did you mean 'fixture'?"));
-  CHECK(contains(message, fixture("other_major").string() + ": built for plugin ABI 1."));
+  CHECK(has(message, "there is no spring function 'fixtrue'; did you mean 'fixture'?"));
+  CHECK(has(message, fixture("other_major").string() + ": built for plugin ABI 1."));
 
   try {
     static_cast<void>(host.require(ComponentKind::neuron, "fixture"));
@@ -358,8 +358,8 @@ TEST_CASE("an unknown component: nearest names, all known ones, and refused file
     message = error.what();
   }
   CAPTURE(message);
-  CHECK(contains(message, "'fixture' is a spring function"));
-  CHECK(contains(message, "SPRINGNET_PLUGIN_PATH"));
+  CHECK(has(message, "'fixture' is a spring function"));
+  CHECK(has(message, "SPRINGNET_PLUGIN_PATH"));
 }
 
 TEST_CASE("an unknown component of a plugin that is named: the plugins that have it, and where was searched") {

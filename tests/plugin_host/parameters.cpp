@@ -10,16 +10,17 @@
 #include <springnet/plugin_host.hpp>
 #include <springnet/suggestion.hpp>
 
+#include "not_finite.hpp"
+
 using springnet::check_value;
 using springnet::choice_index;
 using springnet::complete_parameters;
 using springnet::parameter_index;
 using springnet::suggestion;
+using springnet::testing::inf;
+using springnet::testing::nan_value;
 
 namespace {
-
-const double nan_value = std::numeric_limits<double>::quiet_NaN();
-const double inf = std::numeric_limits<double>::infinity();
 
 springnet_parameter make(std::uint32_t type, const char* name, double value, double smallest, double largest,
                          std::uint32_t flags = 0) {

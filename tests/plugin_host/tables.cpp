@@ -10,18 +10,18 @@
 #include <springnet/plugin_host.hpp>
 
 #include "facts.hpp"
+#include "not_finite.hpp"
 
 using springnet::check_table;
 using springnet::complete_tables;
 using springnet::TableValues;
 using springnet::testing::has_facts;
+using springnet::testing::inf;
 
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity();
-
 // Elongations (increasing, two or more), forces (as many), weights (optional, as many, 0 to 1).
-struct Described {
+struct DescribedTables {
   springnet_table elongations{
       sizeof(springnet_table), SPRINGNET_INCREASING, "elongations", "m", "of each point", 2, 0, -inf, inf};
   springnet_table forces{sizeof(springnet_table), 0, "forces", "N", "at each of them", 1, 0, -inf, inf};
@@ -29,7 +29,7 @@ struct Described {
   const springnet_table* list[3] = {&elongations, &forces, &weights};
   springnet_law law{};
   springnet_component component{};
-  Described() {
+  DescribedTables() {
     law.table_count = 3;
     law.tables = list;
     component.kind = SPRINGNET_SPRING_FUNCTION;
@@ -50,7 +50,7 @@ struct Described {
 }  // namespace
 
 TEST_CASE("complete_tables: in the component's order, empty where an optional one is not given") {
-  const Described described;
+  const DescribedTables described;
   const TableValues given{{"forces", {3, 4}}, {"elongations", {1, 2}}};
   const auto complete = complete_tables(described.component, given, "here");
   REQUIRE(complete.size() == 3);
@@ -62,7 +62,7 @@ TEST_CASE("complete_tables: in the component's order, empty where an optional on
 }
 
 TEST_CASE("complete_tables: missing, unknown, of another length, wrong values") {
-  const Described d;
+  const DescribedTables d;
   CHECK(has_facts(d.error_of({}), "here: | 'curve' | needs the table 'elongations' (m: of each point)"));
   CHECK(has_facts(d.error_of({{"elongations", {1, 2}}}), "'forces' (N"));
   CHECK(has_facts(d.error_of({{"force", {1, 2}}}), "no table 'force' | did you mean 'forces' | 'elongations' (m)"));
@@ -76,14 +76,14 @@ TEST_CASE("complete_tables: missing, unknown, of another length, wrong values") 
 }
 
 TEST_CASE("complete_tables: only laws have tables") {
-  Described described;
+  DescribedTables described;
   described.component.kind = SPRINGNET_NEURON;
   CHECK(springnet::tables_of(described.component).empty());
   CHECK(has_facts(described.error_of({{"forces", {1}}}), "neuron 'curve' | no table 'forces' | it has no tables"));
 }
 
 TEST_CASE("check_table: the first row that is wrong, from 0; none if it is their number") {
-  const Described d;
+  const DescribedTables d;
   CHECK_FALSE(check_table(d.elongations, std::vector<double>{1, 2, 3}).has_value());
   const auto row = [](const springnet_table& table, const std::vector<double>& values) {
     const auto wrong = check_table(table, values);

@@ -13,9 +13,9 @@
 #include "facts.hpp"
 #include "scenes.hpp"
 
-namespace {
+using springnet::testing::has_facts;
 
-bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
+namespace {
 
 // A scene with one mark '^' before the place that the message has to name.
 struct Marked {
@@ -46,7 +46,7 @@ void check(const std::vector<Case>& cases) {
     CHECK(message.starts_with(marked.place));
     for (const std::string& word : c.words) {
       CAPTURE(word);
-      CHECK(contains(message, word));
+      CHECK(has_facts(message, word));
     }
   }
 }
@@ -144,7 +144,7 @@ TEST_CASE("missing keys are named, with an example") {
   // A parameter that the law requires.
   const std::string message = refusal(replaced(8, "spring = { type = \"linear\" }"));
   CAPTURE(message);
-  CHECK(contains(message, "test.toml:8:10: | body.0.spring | 'linear' | 'stiffness' | N/m"));
+  CHECK(has_facts(message, "test.toml:8:10: | body.0.spring | 'linear' | 'stiffness' | N/m"));
 }
 
 TEST_CASE("missing laws and unknown components, with the nearest known ones") {
@@ -174,8 +174,8 @@ TEST_CASE("an unknown law names the plugins that were not taken") {
     const std::string message = error.what();
     CAPTURE(message);
     CHECK(error.kind() == springnet::ErrorKind::input);
-    CHECK(contains(message, "s.toml:7:19: | body.0.neuron.type | 'point_mass'"));
-    CHECK(contains(message, "/nowhere/broken.springnet.so: cannot be opened"));
+    CHECK(has_facts(message, "s.toml:7:19: | body.0.neuron.type | 'point_mass'"));
+    CHECK(has_facts(message, "/nowhere/broken.springnet.so: cannot be opened"));
   }
 }
 
@@ -376,7 +376,7 @@ TEST_CASE("two nodes at one place need a rest length to be connected") {
   const std::string message = refusal(twice);
   CAPTURE(message);
   CHECK(message.starts_with("test.toml:13:1: connect.0: "));
-  CHECK(contains(message, "length zero"));
+  CHECK(has_facts(message, "length zero"));
   CHECK(refusal(twice + "rest_length = 0.5\n") == "");
 }
 
@@ -409,7 +409,7 @@ TEST_CASE("text that is not TOML") {
       {"[simulation]\nduration = 1\nduration = ^2", {"cannot redefine"}},
       {"[simulation^\nduration = 1", {"not TOML"}},
   });
-  CHECK(contains(refusal("a = \"\xff\""), "test.toml:1:"));
+  CHECK(has_facts(refusal("a = \"\xff\""), "test.toml:1:"));
 }
 
 TEST_CASE("a scene that was cut short or damaged anywhere is taken or refused, and nothing else happens") {
@@ -442,10 +442,10 @@ TEST_CASE("files that cannot be read") {
     }
     return {};
   };
-  CHECK(contains(load("nowhere.toml"), "nowhere.toml: | No such file"));
+  CHECK(has_facts(load("nowhere.toml"), "nowhere.toml: | No such file"));
   const fs::path folder = fs::temp_directory_path() / fmt::format("springnet_scene_test_{}", getpid());
   fs::create_directories(folder);
-  CHECK(contains(load(folder), "folder"));
+  CHECK(has_facts(load(folder), "folder"));
   const fs::path file = folder / "wrong.toml";
   std::ofstream(file) << "[simulation]\nduration = -1\n";
   CHECK(load(file).starts_with(file.string() + ":2:12: simulation.duration: "));

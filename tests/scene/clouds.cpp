@@ -15,6 +15,7 @@
 #include "temporary_folder.hpp"
 
 using namespace springnet;
+using springnet::testing::has_facts;
 
 namespace {
 
@@ -29,8 +30,6 @@ std::vector<std::pair<NodeIndex, NodeIndex>> springs_of(const Scene& scene) {
   for (const Spring& each : scene.network.springs()) result.emplace_back(each.first, each.second);
   return result;
 }
-
-bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
 
 double mass_of(const Network& network) {
   return std::accumulate(network.nodes().begin(), network.nodes().end(), 0.0,
@@ -83,7 +82,7 @@ TEST_CASE("all points of a file with cells are in the cloud, in their order, and
     CHECK(scene.network.nodes()[0].mass == 10.0 / nodes);
     const auto has_note = [&](const std::string& facts) {
       return std::any_of(scene.notes.begin(), scene.notes.end(),
-                         [&](const auto& note) { return contains(note, facts); });
+                         [&](const auto& note) { return has_facts(note, facts); });
     };
     CHECK(has_note("last element is not read") == (nodes == 4));
     CHECK(has_note("1 of its | no other within 2 m"));
@@ -109,22 +108,22 @@ TEST_CASE("clouds that do not fit are refused at the place") {
   const auto refused = [](const std::string& mesh, const std::string& body = "mass = 10.0\n") {
     return refusal(cloud(mesh, body));
   };
-  CHECK(contains(refused("points = \"cloud.csv\""), "test.toml:6: | body.0.mesh | 'radius' | missing"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 0"), "body.0.mesh.radius | above 0 m"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, neighbours = 0"), "neighbours | at least 1"));
-  CHECK(contains(refused("points = \"curve.csv\", radius = 1"), "body.0.mesh.points | 'x'"));
-  CHECK(contains(refused("points = \"no.ply\", radius = 1"), "no such mesh file"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, file = \"bar.msh\""), "both 'points' and 'file'"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, lattice = [2, 2, 2]"), "both 'points' and 'lattice'"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, diagonals = \"all\""),
-                 "no meaning with a cloud of points"));
-  CHECK(contains(refused("file = \"bar.msh\", radius = 1"), "no meaning with a file"));
-  CHECK(contains(refused("lattice = [2, 2, 2], spacing = 1, neighbours = 3"), "no meaning with a lattice"));
+  CHECK(has_facts(refused("points = \"cloud.csv\""), "test.toml:6: | body.0.mesh | 'radius' | missing"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 0"), "body.0.mesh.radius | above 0 m"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 1, neighbours = 0"), "neighbours | at least 1"));
+  CHECK(has_facts(refused("points = \"curve.csv\", radius = 1"), "body.0.mesh.points | 'x'"));
+  CHECK(has_facts(refused("points = \"no.ply\", radius = 1"), "no such mesh file"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 1, file = \"bar.msh\""), "both 'points' and 'file'"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 1, lattice = [2, 2, 2]"), "both 'points' and 'lattice'"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 1, diagonals = \"all\""),
+                  "no meaning with a cloud of points"));
+  CHECK(has_facts(refused("file = \"bar.msh\", radius = 1"), "no meaning with a file"));
+  CHECK(has_facts(refused("lattice = [2, 2, 2], spacing = 1, neighbours = 3"), "no meaning with a lattice"));
   CHECK(
-      contains(refused("points = \"cloud.csv\", radius = 1", "density = 1000.0\n"), "points have no volume | 'mass'"));
-  CHECK(contains(refused("file = \"bar.msh\"", "density = 1000.0\nmass = 1.0\n"), "body.0.mass | 'density'"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 1", ""), "has no mass"));
-  CHECK(contains(refused("points = \"cloud.csv\", radius = 1, start = \"bar.msh\""), "the body has 5 nodes"));
+      has_facts(refused("points = \"cloud.csv\", radius = 1", "density = 1000.0\n"), "points have no volume | 'mass'"));
+  CHECK(has_facts(refused("file = \"bar.msh\"", "density = 1000.0\nmass = 1.0\n"), "body.0.mass | 'density'"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 1", ""), "has no mass"));
+  CHECK(has_facts(refused("points = \"cloud.csv\", radius = 1, start = \"bar.msh\""), "the body has 5 nodes"));
 }
 
 TEST_CASE("nodes go along tracks, each its own way") {
@@ -151,10 +150,10 @@ TEST_CASE("tracks that do not fit are refused at the row") {
   const auto refused = [](const std::string& keys, const std::string& points = "cloud.csv") {
     return refusal(cloud("points = \"" + points + "\", radius = 4") + "[[move]]\n" + keys);
   };
-  CHECK(contains(refused("tracks = \"cloud.csv\""), "test.toml:11:10: | move.0.tracks | 'time'"));
-  CHECK(contains(refused("tracks = \"tracks.csv\"\nselect = { body = \"toy\" }"), "select | 'tracks'"));
-  CHECK(contains(refused("tracks = \"tracks.csv\"\nbody = \"ball\""), "no body 'ball'"));
-  CHECK(contains(refused("select = { body = \"toy\" }\nbody = \"toy\""), "is for 'tracks'"));
+  CHECK(has_facts(refused("tracks = \"cloud.csv\""), "test.toml:11:10: | move.0.tracks | 'time'"));
+  CHECK(has_facts(refused("tracks = \"tracks.csv\"\nselect = { body = \"toy\" }"), "select | 'tracks'"));
+  CHECK(has_facts(refused("tracks = \"tracks.csv\"\nbody = \"ball\""), "no body 'ball'"));
+  CHECK(has_facts(refused("select = { body = \"toy\" }\nbody = \"toy\""), "is for 'tracks'"));
   const springnet::testing::TemporaryFolder folder;
   const auto of = [&](const std::string& rows) {
     folder.write("t.csv", "time,node,x,y,z\n" + rows);
@@ -169,12 +168,12 @@ TEST_CASE("tracks that do not fit are refused at the row") {
     }
     return std::string();
   };
-  CHECK(contains(of("0,2,0,0,0\n"), "t.csv:2: | no node 2, the scene has 2, numbered from 0"));
-  CHECK(contains(of("0,0.5,0,0,0\n"), "t.csv:2: | no node 0.5"));
-  CHECK(contains(of("0,1,0,0,0\n1,1,0,0,0\n1,1,0,0,1\n"), "t.csv:4: | 1 s follows 1 s"));
-  CHECK(contains(of("0,1,0,0,0\n"), "node 1 has one row"));
-  CHECK(contains(of(""), "no rows"));
-  CHECK(contains(of("0,1,0,0,0\n1,1,1e101,0,0\n"), "t.csv:3: | farther than 1e+100 m"));
-  CHECK(contains(of("0,1,0,0,0\n4.9e-324,1,1,0,0\n"), "t.csv:3: | faster than 1e+100 m/s"));
-  CHECK(contains(of("0,1,0,nan,0\n"), "t.csv:2: | finite"));
+  CHECK(has_facts(of("0,2,0,0,0\n"), "t.csv:2: | no node 2, the scene has 2, numbered from 0"));
+  CHECK(has_facts(of("0,0.5,0,0,0\n"), "t.csv:2: | no node 0.5"));
+  CHECK(has_facts(of("0,1,0,0,0\n1,1,0,0,0\n1,1,0,0,1\n"), "t.csv:4: | 1 s follows 1 s"));
+  CHECK(has_facts(of("0,1,0,0,0\n"), "node 1 has one row"));
+  CHECK(has_facts(of(""), "no rows"));
+  CHECK(has_facts(of("0,1,0,0,0\n1,1,1e101,0,0\n"), "t.csv:3: | farther than 1e+100 m"));
+  CHECK(has_facts(of("0,1,0,0,0\n4.9e-324,1,1,0,0\n"), "t.csv:3: | faster than 1e+100 m/s"));
+  CHECK(has_facts(of("0,1,0,nan,0\n"), "t.csv:2: | finite"));
 }

@@ -9,12 +9,11 @@
 #include "scenes.hpp"
 
 using namespace springnet;
+using springnet::testing::has_facts;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
-
-std::string body(const std::string& mesh, const std::string& keys) {
+std::string body_of_elements(const std::string& mesh, const std::string& keys) {
   return simulation + "[[body]]\nname = \"b\"\n" + mesh + "\nneuron = { type = \"point_mass\" }\ndensity = 10.0\n" +
          keys + "\n";
 }
@@ -30,7 +29,7 @@ const LawUse& law_of(const Network& net, const Element& element) { return *net.m
 }  // namespace
 
 TEST_CASE("a body of tetrahedra that fill it and fit together") {
-  const Scene scene = parse(body(box, material(solid + ", damping_time = 0.01")));
+  const Scene scene = parse(body_of_elements(box, material(solid + ", damping_time = 0.01")));
   const Network& net = scene.network;
   CHECK(net.springs().empty());
   REQUIRE(net.elements().size() == 6 * 4);
@@ -67,12 +66,12 @@ TEST_CASE("a body of tetrahedra that fill it and fit together") {
   CHECK(once == 2 * 2 * (4 + 2 + 2));
   CHECK(net.faces().size() == once);
   CHECK_FALSE(scene.output.elements);  // recorded on request
-  const Scene recorded = parse("[output]\nelements = [\"b\"]\n" + body(box, material(solid)));
+  const Scene recorded = parse("[output]\nelements = [\"b\"]\n" + body_of_elements(box, material(solid)));
   CHECK(recorded.output.element_numbers.size() == 24);
 }
 
 TEST_CASE("a body of triangles with bending, and one with a direction") {
-  const Network net = parse(body(sheet, material(membrane + ", bending = true"))).network;
+  const Network net = parse(body_of_elements(sheet, material(membrane + ", bending = true"))).network;
   const auto count = [&](Invariant shape) {
     return std::count_if(net.elements().begin(), net.elements().end(),
                          [&](const Element& each) { return each.invariant == shape; });
@@ -80,15 +79,15 @@ TEST_CASE("a body of triangles with bending, and one with a direction") {
   CHECK(count(Invariant::triangle) == 12);
   CHECK(count(Invariant::hinge) == 23 - 10);  // edges less those of the rim
   const Network fibres =
-      parse(body(box, material("youngs_modulus = 1e4, poisson_ratio = 0.4, direction = [0, 3, 4], law "
-                               "= { type = \"fibre_solid\", fibre_modulus = 5e4 }")))
+      parse(body_of_elements(box, material("youngs_modulus = 1e4, poisson_ratio = 0.4, direction = [0, 3, 4], law "
+                                           "= { type = \"fibre_solid\", fibre_modulus = 5e4 }")))
           .network;
   CHECK(fibres.elements()[0].direction[1] == doctest::Approx(0.6));
   CHECK(fibres.elements()[0].direction[2] == doctest::Approx(0.8));
 }
 
 TEST_CASE("elements with several scalars among chosen nodes") {
-  const std::string net = body(box, "spring = { type = \"linear\", stiffness = 1.0 }");
+  const std::string net = body_of_elements(box, "spring = { type = \"linear\", stiffness = 1.0 }");
   const Network scaled =
       parse(net +
             "[[element]]\ninvariant = \"tetrahedron\"\nselect = { body = \"b\" }\nreference_scale = 2.0\n"
@@ -102,30 +101,37 @@ TEST_CASE("mistakes in element materials say what and where") {
   const auto refused = [](const std::string& text, const std::string& facts) {
     const std::string message = refusal(text);
     INFO(message);
-    CHECK(contains(message, facts));
+    CHECK(has_facts(message, facts));
   };
-  refused(body(sheet, material(solid)), "body.0.material | tetrahedra | no solid cell");
-  refused(body(box, "thickness = 0.1\n" + material(membrane)), "body.0.material | triangles | solid cells");
-  refused(body(box, material("youngs_modulus = 1e4, law = \"solid\"")), "poisson_ratio");
-  refused(body(box, material("youngs_modulus = 1e4, poisson_ratio = 0.5, law = \"solid\"")), "between -1 and 0.5");
-  refused(body(box, material("youngs_modulus = 1e4, poisson_ratio = -1, law = \"solid\"")), "between -1 and 0.5");
-  refused(body(box, material(solid + ", direction = [1, 0, 0]")), "direction | same in all directions");
+  refused(body_of_elements(sheet, material(solid)), "body.0.material | tetrahedra | no solid cell");
+  refused(body_of_elements(box, "thickness = 0.1\n" + material(membrane)), "body.0.material | triangles | solid cells");
+  refused(body_of_elements(box, material("youngs_modulus = 1e4, law = \"solid\"")), "poisson_ratio");
+  refused(body_of_elements(box, material("youngs_modulus = 1e4, poisson_ratio = 0.5, law = \"solid\"")),
+          "between -1 and 0.5");
+  refused(body_of_elements(box, material("youngs_modulus = 1e4, poisson_ratio = -1, law = \"solid\"")),
+          "between -1 and 0.5");
+  refused(body_of_elements(box, material(solid + ", direction = [1, 0, 0]")), "direction | same in all directions");
   refused(
-      body(box, material("youngs_modulus = 1e4, poisson_ratio = 0.4, law = { type = \"fibre_solid\", fibre_modulus = "
-                         "5e4 }")),
+      body_of_elements(
+          box, material("youngs_modulus = 1e4, poisson_ratio = 0.4, law = { type = \"fibre_solid\", fibre_modulus = "
+                        "5e4 }")),
       "has no 'direction'");
-  refused(body(box, material("youngs_modulus = 1e4, poisson_ratio = 0.4, direction = [0, 0, 0], law = { type = "
-                             "\"fibre_solid\", fibre_modulus = 5e4 }")),
-          "direction | is 0");
-  refused(body(box, material(solid + ", bending = true")), "bending | no meaning for solids");
-  refused(body(box, material("youngs_modulus = 1e4, bending = true")), "bending | springs");
-  refused(body("mesh = { lattice = [3, 3, 2], spacing = 0.5, diagonals = \"all\" }", material(solid)), "diagonals");
-  refused(body(box, material("youngs_modulus = 1e4, poisson_ratio = 0.3, law = \"shell\"")),
+  refused(
+      body_of_elements(box, material("youngs_modulus = 1e4, poisson_ratio = 0.4, direction = [0, 0, 0], law = { type = "
+                                     "\"fibre_solid\", fibre_modulus = 5e4 }")),
+      "direction | is 0");
+  refused(body_of_elements(box, material(solid + ", bending = true")), "bending | no meaning for solids");
+  refused(body_of_elements(box, material("youngs_modulus = 1e4, bending = true")), "bending | springs");
+  refused(body_of_elements("mesh = { lattice = [3, 3, 2], spacing = 0.5, diagonals = \"all\" }", material(solid)),
+          "diagonals");
+  refused(body_of_elements(box, material("youngs_modulus = 1e4, poisson_ratio = 0.3, law = \"shell\"")),
           "neither triangles nor tetrahedra");
-  refused(body(box, material(solid) + "\nspring = { type = \"linear\", stiffness = 1.0 }"), "combined with 'material'");
-  refused(body("nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1]]\ncross_section = 1.0", material(solid)),
+  refused(body_of_elements(box, material(solid) + "\nspring = { type = \"linear\", stiffness = 1.0 }"),
+          "combined with 'material'");
+  refused(body_of_elements("nodes = [[0, 0, 0], [1, 0, 0]]\nsprings = [[0, 1]]\ncross_section = 1.0", material(solid)),
           "use a mesh");
-  const std::string net = body(box, "spring = { type = \"linear\", stiffness = 1.0 }") + "[[element]]\nselect = {}\n";
+  const std::string net =
+      body_of_elements(box, "spring = { type = \"linear\", stiffness = 1.0 }") + "[[element]]\nselect = {}\n";
   const std::string law = "spring = { type = \"solid\", youngs_modulus = 1.0, poisson_ratio = 0.3 }\n";
   refused(net + "invariant = \"tetrahedron\"\nreference = 1.0\n" + law, "reference | reference_scale");
   refused(net + "invariant = \"tetrahedron\"\nreference_scale = 0.0\n" + law, "reference_scale | above 0");
@@ -151,7 +157,7 @@ TEST_CASE("mistakes in element materials say what and where") {
   };
   refused(one("[0, 1, 2, 4], [0, 1, 2, 3]"), "element.0.nodes.1 | element 1 | needs a volume at rest | in a plane");
   refused(one("[0, 2, 1, 4]"), "element.0.nodes.0 | volume above 0 | exchange two");
-  refused(body(box, "spring = { type = \"solid\", youngs_modulus = 1.0, poisson_ratio = 0.3 }"),
+  refused(body_of_elements(box, "spring = { type = \"solid\", youngs_modulus = 1.0, poisson_ratio = 0.3 }"),
           "body.0.spring.type | 'solid' is for elements | tetrahedron | not for springs");
-  refused(body(box, material(solid + ", damping_time = 1e308")), "damping_time | 1e+308 s | overflows");
+  refused(body_of_elements(box, material(solid + ", damping_time = 1e308")), "damping_time | 1e+308 s | overflows");
 }

@@ -9,11 +9,10 @@
 #include "temporary_folder.hpp"
 
 using namespace springnet;
+using springnet::testing::has_facts;
 namespace fs = std::filesystem;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
 
 const std::string keys =
     "neuron = { type = \"point_mass\", mass = 1.0 }\nspring = { type = \"linear\", stiffness = 1.0 }\n";
@@ -67,13 +66,13 @@ TEST_CASE("files of a scene lie in its folder or below, after following links") 
         (place.other / "bar.msh").string(), std::string("deep/../../scene_other/bar.msh")}) {
     CAPTURE(outside);
     const std::string message = place.refusal(outside);
-    CHECK(contains(message, "s.toml:6:17: body.0.mesh.file: | outside"));
-    CHECK(contains(message, "--allow-outside"));
+    CHECK(has_facts(message, "s.toml:6:17: body.0.mesh.file: | outside"));
+    CHECK(has_facts(message, "--allow-outside"));
     CHECK(place.refusal(outside, OutsideFiles::allowed) == "");
   }
-  CHECK(contains(place.refusal("../none.msh"),
-                 "body.0.mesh.file: | outside"));  // whether it is there is nobody's business
-  CHECK(contains(place.refusal("none.msh"), "none.msh"));
+  CHECK(has_facts(place.refusal("../none.msh"),
+                  "body.0.mesh.file: | outside"));  // whether it is there is nobody's business
+  CHECK(has_facts(place.refusal("none.msh"), "none.msh"));
 }
 
 TEST_CASE("a mesh to start from has the same rule, and a folder that is a link is the folder") {
@@ -83,7 +82,7 @@ TEST_CASE("a mesh to start from has the same rule, and a folder that is a link i
   };
   const fs::path linked = place.root.path() / "scene_link";
   CHECK(Place::refusal_of(text("deep/bar.msh"), linked, OutsideFiles::refused) == "");
-  CHECK(contains(Place::refusal_of(text("link.msh"), linked, OutsideFiles::refused), "body.0.mesh.start: | outside"));
+  CHECK(has_facts(Place::refusal_of(text("link.msh"), linked, OutsideFiles::refused), "body.0.mesh.start: | outside"));
   CHECK(Place::refusal_of(text("link.msh"), linked, OutsideFiles::allowed) == "");
   place.root.write("scene/s.toml", with_mesh("{ file = \"link.msh\" }"));
   CHECK_THROWS_AS(static_cast<void>(load_scene(place.scene / "s.toml", plugins())), Error);
@@ -93,20 +92,20 @@ TEST_CASE("a mesh to start from has the same rule, and a folder that is a link i
 TEST_CASE("a scene from text may name files only if its folder is given") {
   const Place place;
   const std::string absolute = with_mesh("{ file = \"" + (place.scene / "bar.msh").string() + "\" }");
-  CHECK(contains(Place::refusal_of(absolute, "", OutsideFiles::refused), "body.0.mesh.file: | folder | parse_scene"));
+  CHECK(has_facts(Place::refusal_of(absolute, "", OutsideFiles::refused), "body.0.mesh.file: | folder | parse_scene"));
   CHECK(Place::refusal_of(absolute, "", OutsideFiles::allowed) == "");
   const std::string relative = with_mesh("{ file = \"bar.msh\" }");
-  CHECK(contains(Place::refusal_of(relative, "", OutsideFiles::allowed), "body.0.mesh.file: | folder | parse_scene"));
+  CHECK(has_facts(Place::refusal_of(relative, "", OutsideFiles::allowed), "body.0.mesh.file: | folder | parse_scene"));
 }
 
 TEST_CASE("control characters are in no text of a scene, and in no message") {
   const std::string name = refusal(simulation + "[[body]]\nname = \"a\\u001b[2Jb\"\n");
-  CHECK(contains(name, "test.toml:5:8: body.0.name: | 'a\\u001b[2Jb'"));
-  CHECK(contains(refusal(with_mesh("{ file = \"secret.txt\\u0000.msh\" }")), "is 'secret.txt\\u0000.msh'"));
-  CHECK(contains(refusal("title = \"\\u009b2J\"\n" + small), "title: | control characters"));
-  CHECK(contains(refusal("title = \"\\u007f\"\n" + small), "title: | control characters"));
-  CHECK(contains(refusal(small + "[[plane]]\nname = \"two\\nlines\"\npoint=[0,0,0]\nnormal=[0,0,1]\n"), "one line"));
+  CHECK(has_facts(name, "test.toml:5:8: body.0.name: | 'a\\u001b[2Jb'"));
+  CHECK(has_facts(refusal(with_mesh("{ file = \"secret.txt\\u0000.msh\" }")), "is 'secret.txt\\u0000.msh'"));
+  CHECK(has_facts(refusal("title = \"\\u009b2J\"\n" + small), "title: | control characters"));
+  CHECK(has_facts(refusal("title = \"\\u007f\"\n" + small), "title: | control characters"));
+  CHECK(has_facts(refusal(small + "[[plane]]\nname = \"two\\nlines\"\npoint=[0,0,0]\nnormal=[0,0,1]\n"), "one line"));
   CHECK(refusal("title = \"\"\"Größe\ntwo lines\t膀胱\"\"\"\n" + small) == "");
-  CHECK(contains(refusal("\"\\u001b[31m\" = 1\n" + small), "no key '\\u001b[31m'"));
-  CHECK(contains(refusal(small, {{"title", "\"\x1b[31m"}}), "--set title=\"\\u001b[31m: "));
+  CHECK(has_facts(refusal("\"\\u001b[31m\" = 1\n" + small), "no key '\\u001b[31m'"));
+  CHECK(has_facts(refusal(small, {{"title", "\"\x1b[31m"}}), "--set title=\"\\u001b[31m: "));
 }

@@ -8,26 +8,14 @@
 #include <springnet/formula.hpp>
 
 #include "facts.hpp"
+#include "formula_scenes.hpp"
 #include "scenes.hpp"
 
 using namespace springnet;
 
 namespace {
 
-// Two springs, with these lines about them; nine lines of text before.
-std::string chain(const std::string& lines) {
-  return simulation +
-         "[[body]]\nname = \"chain\"\nnodes = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]\nsprings = [[0, 1], [1, 2]]\n"
-         "neuron = { type = \"point_mass\", mass = 1.0 }\n" +
-         lines + "\n";
-}
 std::string spring(const std::string& keys) { return chain("spring = { " + keys + " }"); }
-
-void refused(const std::string& text, const std::string& facts) {
-  const std::string message = refusal(text);
-  INFO(message);
-  CHECK(springnet::testing::has_facts(message, facts));
-}
 
 const LawUse& first_law(const Scene& scene) {
   const Network& net = scene.network;

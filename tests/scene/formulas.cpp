@@ -9,6 +9,7 @@
 #include <springnet/simulation.hpp>
 
 #include "facts.hpp"
+#include "formula_scenes.hpp"
 #include "scenes.hpp"
 
 using namespace springnet;
@@ -22,22 +23,9 @@ std::string page_of(const char* path) {
   return text.str();
 }
 
-// A chain with these lines about its springs.
-std::string chain(const std::string& lines) {
-  return simulation +
-         "[[body]]\nname = \"chain\"\nnodes = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]\nsprings = [[0, 1], [1, 2]]\n"
-         "neuron = { type = \"point_mass\", mass = 1.0 }\n" +
-         lines + "\n";
-}
-const std::string sheet =
+const std::string sheet_of_springs =
     "[[body]]\nname = \"sheet\"\nmesh = { lattice = [3, 3, 1], spacing = 0.5, origin = [0, 0, 5] }\nneuron = { type = "
     "\"point_mass\", mass = 1.0 }\nspring = { type = \"linear\", stiffness = 0.0 }\n";
-
-void refused(const std::string& text, const std::string& facts) {
-  const std::string message = refusal(text);
-  INFO(message);
-  CHECK(springnet::testing::has_facts(message, facts));
-}
 
 }  // namespace
 
@@ -49,7 +37,7 @@ TEST_CASE("the examples of the page of formulas are parts of scenes") {
     const std::string text = page.substr(begin, page.find("```", begin) - begin);
     const std::size_t tables = std::min(text.find("[["), text.size());
     const std::string law = tables > 0 ? text.substr(0, tables) : "spring = { type = \"linear\", stiffness = 1.0 }";
-    const std::string scene = chain(law) + sheet + text.substr(tables);
+    const std::string scene = chain(law) + sheet_of_springs + text.substr(tables);
     CAPTURE(scene);
     CHECK(refusal(scene) == "");
     ++examples;
@@ -84,8 +72,8 @@ TEST_CASE("a formula in a scene: parameters, units, inputs, curves, states") {
 TEST_CASE("units are checked for the elements that have the law") {
   const auto law = [](const char* invariant, const std::string& unit) {
     const bool of_chain = invariant == std::string("angle");
-    return chain("spring = { formula = \"k*e\", k = 1 }") + sheet + "[[element]]\ninvariant = \"" + invariant +
-           "\"\nselect = { body = \"" + (of_chain ? "chain" : "sheet") +
+    return chain("spring = { formula = \"k*e\", k = 1 }") + sheet_of_springs + "[[element]]\ninvariant = \"" +
+           invariant + "\"\nselect = { body = \"" + (of_chain ? "chain" : "sheet") +
            "\" }\nspring = { formula = \"k*e\", k = \"2 " + unit +
            "\" }\nviscosity = { formula = \"c*rate\", c = 1 }\n";
   };
@@ -129,7 +117,7 @@ TEST_CASE("mistakes in formulas of scenes are told with file, line, column, key 
   refused(chain("spring = { formula = \"k*speed\", k = 1 }"), "'speed' is read by viscosities alone");
   refused(chain("spring = { formula = \"k*e\", k = 1, scalars = { a = \"length(0, 1)\" } }"),
           "scalars | has no meaning here");
-  const std::string element = chain("spring = { formula = \"k*e\", k = 1 }") + sheet +
+  const std::string element = chain("spring = { formula = \"k*e\", k = 1 }") + sheet_of_springs +
                               "[[element]]\ninvariant = \"triangle\"\nselect = { body = \"sheet\" }\n";
   refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1 }\n", "element.0.spring | has no 'scalars'");
   refused(element + "spring = { energy = \"k*(a - rest(a))^2\", k = 1, scalars = { a = \"length(0, 3)\" } }\n",

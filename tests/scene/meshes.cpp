@@ -13,10 +13,9 @@
 #include "temporary_folder.hpp"
 
 using namespace springnet;
+using springnet::testing::has_facts;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
 
 const std::string springs =
     "neuron = { type = \"point_mass\", mass = 1.0 }\nspring = { type = \"linear\", stiffness = 1.0 }\n";
@@ -102,12 +101,12 @@ TEST_CASE("selections by group") {
   CHECK(network.cuts()[0].springs.size() >= 5);
 
   const std::string wrong = refusal(bar() + "[[fix]]\nselect = { group = \"lefd\" }\n");
-  CHECK(contains(wrong, "test.toml:10:20: fix.0.select.group: | 'lefd'"));
-  CHECK(contains(wrong, "did you mean 'left'?"));
-  CHECK(contains(wrong, "known: left, right, skin, tissue"));
-  CHECK(contains(refusal(small + "[[fix]]\nselect = { group = \"left\" }\n"), "'left' | body 'a' | no groups"));
-  CHECK(contains(refusal(bar() + "[[fix]]\nselect = { group = [] }\n"), "names no group"));
-  CHECK(contains(
+  CHECK(has_facts(wrong, "test.toml:10:20: fix.0.select.group: | 'lefd'"));
+  CHECK(has_facts(wrong, "did you mean 'left'?"));
+  CHECK(has_facts(wrong, "known: left, right, skin, tissue"));
+  CHECK(has_facts(refusal(small + "[[fix]]\nselect = { group = \"left\" }\n"), "'left' | body 'a' | no groups"));
+  CHECK(has_facts(refusal(bar() + "[[fix]]\nselect = { group = [] }\n"), "names no group"));
+  CHECK(has_facts(
       refusal(bar() + small.substr(simulation.size()) + "[[fix]]\nselect = { body = \"a\", group = \"left\" }\n"),
       "body 'a' has no groups"));
 }
@@ -145,7 +144,7 @@ TEST_CASE("a body may begin where another mesh has its nodes, with the rest leng
   } catch (const Error& error) {
     message = error.what();
   }
-  CHECK(contains(message, "body.0.mesh.start: | 4 points | 3 nodes"));
+  CHECK(has_facts(message, "body.0.mesh.start: | 4 points | 3 nodes"));
 }
 
 TEST_CASE("parts of a file that a body does not use become notes of the scene") {
@@ -164,7 +163,7 @@ TEST_CASE("parts of a file that a body does not use become notes of the scene") 
   // Point 4 is of no cell.
   const std::string unused = notes(points + "f 1 2 3\nf 2 1 4\n");
   CHECK(unused.starts_with("Body 'b': "));
-  CHECK(contains(unused, "point"));
+  CHECK(has_facts(unused, "point"));
 }
 
 TEST_CASE("errors of a mesh name the place in the scene") {
@@ -172,21 +171,21 @@ TEST_CASE("errors of a mesh name the place in the scene") {
     return refusal(simulation + "[[body]]\nname = \"bar\"\nmesh = " + mesh + "\n" + springs);
   };
   const std::string missing = refused("{ file = \"none.msh\" }");
-  CHECK(contains(missing, "test.toml:6:17: body.0.mesh.file: "));
-  CHECK(contains(missing, "none.msh"));
-  CHECK(contains(refused("{ file = \"scenes.hpp\" }"), "test.toml:6:17: body.0.mesh.file: "));
-  CHECK(contains(refused("{ file = \"bar.msh\", lattice = [2, 2, 2] }"), "both 'file' and 'lattice'"));
-  CHECK(contains(refused("{ file = \"bar.msh\", spacing = 1.0 }"), "body.0.mesh.spacing: | file"));
-  CHECK(contains(refused("{ lattice = [2, 2, 2], spacing = 1.0, scale = 2.0 }"), "body.0.mesh.scale: | lattice"));
-  CHECK(contains(refused("{ file = \"bar.msh\", scale = 0.0 }"), "must be above 0"));
-  CHECK(contains(refused("{ file = \"bar.msh\", rotation = { axis = [0, 0, 0], angle = 1.0 } }"), "has length zero"));
-  CHECK(contains(refused("{ file = \"bar.msh\", rotation = { axis = [0, 0, 1] } }"), "'angle' | missing"));
+  CHECK(has_facts(missing, "test.toml:6:17: body.0.mesh.file: "));
+  CHECK(has_facts(missing, "none.msh"));
+  CHECK(has_facts(refused("{ file = \"scenes.hpp\" }"), "test.toml:6:17: body.0.mesh.file: "));
+  CHECK(has_facts(refused("{ file = \"bar.msh\", lattice = [2, 2, 2] }"), "both 'file' and 'lattice'"));
+  CHECK(has_facts(refused("{ file = \"bar.msh\", spacing = 1.0 }"), "body.0.mesh.spacing: | file"));
+  CHECK(has_facts(refused("{ lattice = [2, 2, 2], spacing = 1.0, scale = 2.0 }"), "body.0.mesh.scale: | lattice"));
+  CHECK(has_facts(refused("{ file = \"bar.msh\", scale = 0.0 }"), "must be above 0"));
+  CHECK(has_facts(refused("{ file = \"bar.msh\", rotation = { axis = [0, 0, 0], angle = 1.0 } }"), "has length zero"));
+  CHECK(has_facts(refused("{ file = \"bar.msh\", rotation = { axis = [0, 0, 1] } }"), "'angle' | missing"));
 
   try {
     static_cast<void>(parse_scene(bar(), "test.toml", plugins()));
     FAIL("a relative path without a folder is taken");
   } catch (const Error& error) {
-    CHECK(contains(error.what(), "test.toml:6:17: body.0.mesh.file: | folder"));
+    CHECK(has_facts(error.what(), "test.toml:6:17: body.0.mesh.file: | folder"));
   }
 }
 

@@ -9,10 +9,9 @@
 #include "temporary_folder.hpp"
 
 using namespace springnet;
+using springnet::testing::has_facts;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& facts) { return springnet::testing::has_facts(text, facts); }
 
 // The small scene with these keys in its law `table`, in line 8, column 31 on.
 std::string with_law(const std::string& keys) {
@@ -66,32 +65,33 @@ TEST_CASE("a column has the name of the table unless the scene gives one") {
 
 TEST_CASE("what a list has wrong is told at its place") {
   const std::string x = "elongations = [0, 1, 2], ";
-  CHECK(contains(refusal(with_law("forces = [0, 1]")), "test.toml:8:10: | body.0.spring | 'table' | 'elongations' (m"));
-  CHECK(contains(refusal(with_law("elongations = [0, 1]")), "test.toml:8:10: | body.0.spring | 'forces' (N"));
-  CHECK(contains(refusal(with_law(x + "forces = [0, 1]")),
-                 "test.toml:8:10: | 'forces' | 2 values | 'elongations' has 3"));
-  CHECK(contains(refusal(with_law("elongations = [0], forces = [1]")),
-                 "test.toml:8:42: body.0.spring.elongations: | 2 values or more, has 1"));
-  CHECK(contains(refusal(with_law("elongations = [], forces = []")), "body.0.spring.elongations: | has 0"));
-  CHECK(contains(refusal(with_law("elongations = [0, 0.5, 0.5], forces = [1, 2, 3]")),
-                 "test.toml:8:51: body.0.spring.elongations.2: | above the one before, 0.5 m, is 0.5"));
-  CHECK(contains(refusal(with_law("elongations = [1, 0], forces = [1, 2]")), "elongations.1: | 1 m, is 0"));
-  CHECK(contains(refusal(with_law(x + "forces = [0, nan, 2]")), "body.0.spring.forces.1: | nan"));
-  CHECK(contains(refusal(with_law(x + "forces = [0, 1, -inf]")), "body.0.spring.forces.2: | finite | -inf"));
-  CHECK(contains(refusal(with_law(x + "forces = [0, 1, '2']")), "body.0.spring.forces.2: | number | a text"));
-  CHECK(contains(refusal(with_law(x + "forces = [0, 1, [2]]")), "body.0.spring.forces.2: | number | a list"));
-  CHECK(contains(refusal(with_law(x + "forces = 3")),
-                 "body.0.spring.forces: | a list of numbers, or a table | a number"));
-  CHECK(contains(refusal(with_law(x + "forces = 'curve.csv'")), "body.0.spring.forces: | a list | a text"));
-  CHECK(contains(refusal(with_law(x + "froces = [0, 1, 2]")),
-                 "body.0.spring.froces: | no key 'froces' | 'table' | 'forces' | elongations"));
-  CHECK(contains(refusal(with_law(x + "forces = [0, 1, 2], file = 'curve.csv'")), "no key 'file'"));
+  CHECK(
+      has_facts(refusal(with_law("forces = [0, 1]")), "test.toml:8:10: | body.0.spring | 'table' | 'elongations' (m"));
+  CHECK(has_facts(refusal(with_law("elongations = [0, 1]")), "test.toml:8:10: | body.0.spring | 'forces' (N"));
+  CHECK(has_facts(refusal(with_law(x + "forces = [0, 1]")),
+                  "test.toml:8:10: | 'forces' | 2 values | 'elongations' has 3"));
+  CHECK(has_facts(refusal(with_law("elongations = [0], forces = [1]")),
+                  "test.toml:8:42: body.0.spring.elongations: | 2 values or more, has 1"));
+  CHECK(has_facts(refusal(with_law("elongations = [], forces = []")), "body.0.spring.elongations: | has 0"));
+  CHECK(has_facts(refusal(with_law("elongations = [0, 0.5, 0.5], forces = [1, 2, 3]")),
+                  "test.toml:8:51: body.0.spring.elongations.2: | above the one before, 0.5 m, is 0.5"));
+  CHECK(has_facts(refusal(with_law("elongations = [1, 0], forces = [1, 2]")), "elongations.1: | 1 m, is 0"));
+  CHECK(has_facts(refusal(with_law(x + "forces = [0, nan, 2]")), "body.0.spring.forces.1: | nan"));
+  CHECK(has_facts(refusal(with_law(x + "forces = [0, 1, -inf]")), "body.0.spring.forces.2: | finite | -inf"));
+  CHECK(has_facts(refusal(with_law(x + "forces = [0, 1, '2']")), "body.0.spring.forces.2: | number | a text"));
+  CHECK(has_facts(refusal(with_law(x + "forces = [0, 1, [2]]")), "body.0.spring.forces.2: | number | a list"));
+  CHECK(has_facts(refusal(with_law(x + "forces = 3")),
+                  "body.0.spring.forces: | a list of numbers, or a table | a number"));
+  CHECK(has_facts(refusal(with_law(x + "forces = 'curve.csv'")), "body.0.spring.forces: | a list | a text"));
+  CHECK(has_facts(refusal(with_law(x + "froces = [0, 1, 2]")),
+                  "body.0.spring.froces: | no key 'froces' | 'table' | 'forces' | elongations"));
+  CHECK(has_facts(refusal(with_law(x + "forces = [0, 1, 2], file = 'curve.csv'")), "no key 'file'"));
 }
 
 TEST_CASE("laws without tables have no such keys; laws given by name alone have no tables") {
   std::string text = small;
-  CHECK(contains(refusal(text.replace(text.find("stiffness = 3.0"), 15, "stiffness = 3.0, forces = [1]")),
-                 "body.0.spring.forces: | no key 'forces'"));
+  CHECK(has_facts(refusal(text.replace(text.find("stiffness = 3.0"), 15, "stiffness = 3.0, forces = [1]")),
+                  "body.0.spring.forces: | no key 'forces'"));
 }
 
 TEST_CASE("what a file has wrong is told with the place in the scene and the line of the file") {
@@ -100,40 +100,40 @@ TEST_CASE("what a file has wrong is told with the place in the scene and the lin
   };
   const std::string head = "# measured\nelongations,forces\n";
   CHECK(refused(head + "0,0\n1,1\n").empty());
-  CHECK(contains(
+  CHECK(has_facts(
       refused(head + "0,0\n\n1,1\n1,2\n"),
       "s.toml:8:51: body.0.spring.elongations.file: | curve.csv:6: | 'elongations' | above the one before, 1 m"));
-  CHECK(contains(refused(head + "0,0\n1,x\n"), "body.0.spring.forces.file: | curve.csv:4: | 'forces' | number"));
-  CHECK(contains(refused(head + "0,0\n1,nan\n"), "body.0.spring.forces.file: | curve.csv:4: | finite"));
-  CHECK(contains(refused(head + "0,0\n1,1,1\n"), "curve.csv:4: | 3 cells | 2"));
-  CHECK(contains(refused(head + "0,0\n"), "elongations.file: | curve.csv: | 2 values or more, has 1"));
-  CHECK(contains(refused("a,b\n0,0\n1,1\n"), "elongations.file: | curve.csv:1: | no column is named 'elongations'"));
-  CHECK(contains(refused(""), "elongations.file: | curve.csv: | header"));
-  CHECK(contains(refused(head, "elongations = { file = 'none.csv' }, forces = [1]"), "none.csv: | no such file"));
-  CHECK(contains(refused(head, "elongations = { column = 'forces' }, forces = [1]"),
-                 "body.0.spring.elongations: | 'file' is missing | CSV"));
-  CHECK(contains(refused(head, "elongations = { file = 'curve.csv', colum = 'forces' }, forces = [1]"),
-                 "body.0.spring.elongations.colum: | no key 'colum' | 'column'"));
-  CHECK(contains(refused(head, "elongations = { file = 3 }, forces = [1]"), "elongations.file: | text | number"));
+  CHECK(has_facts(refused(head + "0,0\n1,x\n"), "body.0.spring.forces.file: | curve.csv:4: | 'forces' | number"));
+  CHECK(has_facts(refused(head + "0,0\n1,nan\n"), "body.0.spring.forces.file: | curve.csv:4: | finite"));
+  CHECK(has_facts(refused(head + "0,0\n1,1,1\n"), "curve.csv:4: | 3 cells | 2"));
+  CHECK(has_facts(refused(head + "0,0\n"), "elongations.file: | curve.csv: | 2 values or more, has 1"));
+  CHECK(has_facts(refused("a,b\n0,0\n1,1\n"), "elongations.file: | curve.csv:1: | no column is named 'elongations'"));
+  CHECK(has_facts(refused(""), "elongations.file: | curve.csv: | header"));
+  CHECK(has_facts(refused(head, "elongations = { file = 'none.csv' }, forces = [1]"), "none.csv: | no such file"));
+  CHECK(has_facts(refused(head, "elongations = { column = 'forces' }, forces = [1]"),
+                  "body.0.spring.elongations: | 'file' is missing | CSV"));
+  CHECK(has_facts(refused(head, "elongations = { file = 'curve.csv', colum = 'forces' }, forces = [1]"),
+                  "body.0.spring.elongations.colum: | no key 'colum' | 'column'"));
+  CHECK(has_facts(refused(head, "elongations = { file = 3 }, forces = [1]"), "elongations.file: | text | number"));
 }
 
 TEST_CASE("files of tables lie in the scene's folder") {
   const Folder folder("elongations,forces\n0,0\n1,1\n");
   const std::string keys = "elongations = { file = '../outside.csv' }, forces = { file = '../outside.csv' }";
-  CHECK(contains(folder.refusal(keys), "body.0.spring.elongations.file: | outside | --allow-outside"));
+  CHECK(has_facts(folder.refusal(keys), "body.0.spring.elongations.file: | outside | --allow-outside"));
   CHECK(folder.refusal(keys, OutsideFiles::allowed).empty());
 }
 
 TEST_CASE("a table has at most a million values") {
   std::string text = "0";
   for (int k = 0; k < 1'000'000; ++k) text += ",0";
-  CHECK(contains(refusal(with_law("elongations = [0, 1], forces = [" + text + "]")),
-                 "body.0.spring.forces: | at most 1,000,000 numbers, has 1,000,001"));
+  CHECK(has_facts(refusal(with_law("elongations = [0, 1], forces = [" + text + "]")),
+                  "body.0.spring.forces: | at most 1,000,000 numbers, has 1,000,001"));
 }
 
 TEST_CASE("what a law refuses of its tables is told where they stand") {
-  CHECK(contains(refusal(with_law("elongations = [0, 1, 1.0000000000000002], forces = [0, 1, 1e300]")),
-                 "body.0.spring: | 'table' | slope after point 2 is not finite"));
+  CHECK(has_facts(refusal(with_law("elongations = [0, 1, 1.0000000000000002], forces = [0, 1, 1e300]")),
+                  "body.0.spring: | 'table' | slope after point 2 is not finite"));
 }
 
 TEST_CASE("every place of a law takes tables, connections, elements and changes of springs too") {

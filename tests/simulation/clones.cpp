@@ -32,7 +32,7 @@ double allocated() {
 #endif
 }
 
-constexpr int before = 8, after = 8;  // steps
+constexpr int steps_before = 8, steps_after = 8;  // steps
 
 // What copies do that goes its own way, by the number of the copy.
 void intervene(Simulation& simulation, int copy) {
@@ -66,7 +66,7 @@ std::thread going_on(Simulation& simulation, int copy, int steps) {
 
 // The original and copies of it side by side, each in a thread, against simulations that were restored from the bytes
 // and made the same steps one after the other.
-void check(const Network& net, const SimulationOptions& options, int first) {
+void check_copies(const Network& net, const SimulationOptions& options, int first) {
   Simulation own(net, plugins(), options);
   for (int i = 0; i < first; ++i)
     if (!step(own)) return;  // nothing to compare
@@ -75,15 +75,15 @@ void check(const Network& net, const SimulationOptions& options, int first) {
   const std::string saved = own.save();
   for (Simulation& each : copies) CHECK(difference(own, each) == "");
   std::vector<std::thread> threads;
-  threads.push_back(going_on(own, 0, after));
+  threads.push_back(going_on(own, 0, steps_after));
   for (int copy = 1; copy < 5; ++copy)
-    threads.push_back(going_on(copies[static_cast<std::size_t>(copy) - 1], copy, after));
+    threads.push_back(going_on(copies[static_cast<std::size_t>(copy) - 1], copy, steps_after));
   for (std::thread& each : threads) each.join();
   for (int copy = 0; copy < 5; ++copy) {
     CAPTURE(copy);
     Simulation expected(net, plugins(), options);
     expected.restore(saved);
-    going_on(expected, copy, after).join();
+    going_on(expected, copy, steps_after).join();
     CHECK(difference(copy == 0 ? own : copies[static_cast<std::size_t>(copy) - 1], expected) == "");
   }
 }
@@ -95,14 +95,14 @@ TEST_CASE("copies go on side by side in threads with the same bits, whatever the
   for (SimulationOptions& options : all_methods()) {
     CAPTURE(options.integrator.id);
     CAPTURE(options.integrator.parameters["update"]);
-    check(net, options, before);
+    check_copies(net, options, steps_before);
   }
   SimulationOptions summed = with(recurrent(newton, 0.0), 0.02);
   summed.dissipated_energy = true;
-  check(net, summed, before);
+  check_copies(net, summed, steps_before);
   // Before anything was found that copies share.
-  for (const double rule : {synchronous, wavefront, newton}) check(net, with(recurrent(rule, 0.0), 0.005), 0);
-  check(net, with(recurrent(newton, 0.0), 0.02, 2), before);
+  for (const double rule : {synchronous, wavefront, newton}) check_copies(net, with(recurrent(rule, 0.0), 0.005), 0);
+  check_copies(net, with(recurrent(newton, 0.0), 0.02, 2), steps_before);
 }
 
 TEST_CASE("copies of random nets go on with the same bits") {
@@ -206,11 +206,11 @@ TEST_CASE("a copy of a net without some elements takes up a state with all of th
   std::vector<ElementIndex> all;
   for (NodeIndex k = 0; k + 2 < 40; ++k) all.push_back(net.add_element(Invariant::angle, {k, k + 1, k + 2}, bend, 2.9));
   Simulation whole(net, plugins(), with(recurrent(newton, 0.0), 0.01));
-  const std::string before = whole.save();
+  const std::string steps_before = whole.save();
   const Simulation reference = whole.clone();
   whole.remove_elements({all.begin() + 2, all.end()});
   Simulation copy = whole.clone();
-  copy.restore(before);
+  copy.restore(steps_before);
   for (NodeIndex k = 0; k < 40; ++k) CHECK(same_bits(copy.force(k), reference.force(k)));
 }
 

@@ -12,7 +12,8 @@ using namespace springnet::testing;
 
 namespace {
 
-const LawUse integrators[] = {recurrent(synchronous, 1e-12), recurrent(wavefront, 1e-12), single_sweep(), cvode(1e-10)};
+const LawUse touching_integrators[] = {recurrent(synchronous, 1e-12), recurrent(wavefront, 1e-12), single_sweep(),
+                                       cvode(1e-10)};
 
 Network ball(double height, double gravity) {
   Network net;
@@ -25,7 +26,7 @@ Network ball(double height, double gravity) {
 }  // namespace
 
 TEST_CASE("a falling node is held where it touches, and the floor bears its weight") {
-  for (const LawUse& integrator : integrators) {
+  for (const LawUse& integrator : touching_integrators) {
     CAPTURE(integrator.id);
     Network net = ball(0.5, 10.0);
     Node node = net.nodes()[0];
@@ -39,7 +40,7 @@ TEST_CASE("a falling node is held where it touches, and the floor bears its weig
     CHECK(simulation.velocity(0) == Vector3::Zero());
     CHECK(simulation.held(0));
     CHECK(simulation.reaction(0)[2] == doctest::Approx(20.0).epsilon(1e-12));
-    // m sqrt(2 g h) upwards; a step's worth of velocity either way.
+    // m sqrt(2 g h) up; a step's worth of velocity either way.
     CHECK(simulation.contact_impulse(0)[2] == doctest::Approx(2.0 * std::sqrt(10.0)).epsilon(0.005));
     CHECK(simulation.contact_impulse(0)[0] == doctest::Approx(-2.0).epsilon(1e-9));
     REQUIRE(simulation.events().size() == 1);
@@ -49,10 +50,10 @@ TEST_CASE("a falling node is held where it touches, and the floor bears its weig
 }
 
 TEST_CASE("a node pressed into the floor is held from the start, released by a reverse force, and held again") {
-  for (const LawUse& integrator : integrators) {
+  for (const LawUse& integrator : touching_integrators) {
     CAPTURE(integrator.id);
     Network net = ball(0.0, 10.0);
-    net.add_load({{0}, {0, 0, 30.0}, 0.1, 0.3});  // net force 10 N upwards on 2 kg
+    net.add_load({{0}, {0, 0, 30.0}, 0.1, 0.3});  // net force 10 N up on 2 kg
     Simulation simulation = simulate(net, integrator, 0.001);
     CHECK(simulation.held(0));
     simulation.advance_to(0.1);
@@ -89,7 +90,7 @@ TEST_CASE("a rigid body that falls flat rebounds with the coefficient of restitu
 }
 
 TEST_CASE("a node sticks to the wall that it meets, and does not slide into the corner") {
-  for (const LawUse& integrator : integrators) {
+  for (const LawUse& integrator : touching_integrators) {
     Network net;
     net.add_node(point({0.2, 0, 1.0}, 1.0, {-1.0, 0, 0}));
     net.add_plane({"wall", {0, 0, 0}, {1, 0, 0}});
@@ -123,7 +124,7 @@ TEST_CASE("a load that is switched on presses a resting node down, wherever step
   fine.advance_to(4.0);
   // The same internal steps, but for the rounding of output times.
   CHECK((coarse.position(1) - fine.position(1)).norm() <= 1e-9);
-  for (const LawUse& integrator : integrators) {
+  for (const LawUse& integrator : touching_integrators) {
     CAPTURE(integrator.id);
     Simulation simulation = simulate(net, integrator, 0.005);
     simulation.advance_to(10.0);
@@ -152,7 +153,7 @@ TEST_CASE("a load on a resting node makes it touch at the time of its start") {
 }
 
 TEST_CASE("pulled off one plane of a corner, a node does not sink into the other") {
-  for (const LawUse& integrator : integrators) {
+  for (const LawUse& integrator : touching_integrators) {
     CAPTURE(integrator.id);
     Network net;
     net.add_node(point({0, 0, 0}));
@@ -169,7 +170,7 @@ TEST_CASE("pulled off one plane of a corner, a node does not sink into the other
 }
 
 TEST_CASE("a velocity set by the program lifts a held node or has no effect; positions behind a plane are refused") {
-  for (const LawUse& integrator : integrators) {
+  for (const LawUse& integrator : touching_integrators) {
     CAPTURE(integrator.id);
     Simulation simulation = simulate(ball(0.0, 10.0), integrator, 0.001);
     REQUIRE(simulation.held(0));

@@ -16,6 +16,7 @@
 #include <springnet/formula.hpp>
 #include <springnet/simulation.hpp>
 
+#include "facts.hpp"
 #include "saved_states.hpp"
 #include "temporary_folder.hpp"
 
@@ -34,8 +35,6 @@ std::string message_of(const std::function<void()>& call) {
   }
   return "no error";
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 SimulationOptions options() { return with(recurrent(newton, 0.0), 0.02); }
 

@@ -113,7 +113,7 @@ Course run(const Network& net, const Case& each, unsigned threads, int steps) {
   return course;
 }
 
-void check_all(const Network& net, unsigned threads) {
+void check_cases(const Network& net, unsigned threads) {
   for (const Case& each : cases()) {
     CAPTURE(each.name);
     const Course one = run(net, each, 1, 2);
@@ -125,15 +125,15 @@ void check_all(const Network& net, unsigned threads) {
 }  // namespace
 
 TEST_CASE("the same bits for every number of threads: contact with friction, every integrator") {
-  check_all(falling_block(two_units, {Friction::Kind::coulomb, 0.2}), 2);
+  check_cases(falling_block(two_units, {Friction::Kind::coulomb, 0.2}), 2);
 }
 
 TEST_CASE("the same bits for every number of threads: rigid bodies across units, every integrator") {
-  check_all(block_with_rods(four_units), 3);
+  check_cases(block_with_rods(four_units), 3);
 }
 
 TEST_CASE("the same bits for every number of threads: elements and an enclosure, every integrator") {
-  check_all(block_with_elements(two_units), 2);
+  check_cases(block_with_elements(two_units), 2);
 }
 
 TEST_CASE("a program prepares each thread once, before the first call of a component in it") {

@@ -12,12 +12,12 @@ namespace {
 using namespace springnet;
 using namespace springnet::testing;
 
-struct Law {
+struct NamedLaw {
   const char* name;
   LawUse use;
 };
-const std::vector<Law>& laws() {
-  static const std::vector<Law> all{
+const std::vector<NamedLaw>& laws() {
+  static const std::vector<NamedLaw> all{
       {"maxwell", {"maxwell", {{"stiffness", 40.0}, {"relaxation_time", 0.2}}}},
       {"standard linear solid",
        {"standard_linear_solid", {{"stiffness", 20.0}, {"fast_stiffness", 40.0}, {"relaxation_time", 0.2}}}},
@@ -32,7 +32,7 @@ const std::vector<Law>& laws() {
 }  // namespace
 
 TEST_CASE("a free network with internal states only loses energy") {
-  for (const Law& law : laws()) {
+  for (const NamedLaw& law : laws()) {
     for (const StateMethod& method : state_methods(1e-11)) {
       if (method.name == "single sweep" || method.name == "synchronous trapezoidal" || method.order == 2) continue;
       CAPTURE(law.name);

@@ -8,8 +8,10 @@
 
 namespace springnet::testing {
 
+inline bool has(std::string_view text, std::string_view fact) { return text.find(fact) != std::string_view::npos; }
+
 inline bool has_all(const std::string& text, std::initializer_list<const char*> facts) {
-  return std::all_of(facts.begin(), facts.end(), [&](const char* f) { return text.find(f) != std::string::npos; });
+  return std::all_of(facts.begin(), facts.end(), [&](const char* f) { return has(text, f); });
 }
 
 // The same with the facts in one text, separated by " | ".
@@ -17,8 +19,8 @@ inline bool has_facts(std::string_view text, std::string_view facts) {
   constexpr std::string_view separator = " | ";
   for (std::size_t end = 0; (end = facts.find(separator)) != std::string_view::npos;
        facts.remove_prefix(end + separator.size()))
-    if (text.find(facts.substr(0, end)) == std::string_view::npos) return false;
-  return text.find(facts) != std::string_view::npos;
+    if (!has(text, facts.substr(0, end))) return false;
+  return has(text, facts);
 }
 
 }  // namespace springnet::testing

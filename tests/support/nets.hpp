@@ -16,6 +16,8 @@
 
 namespace springnet::testing {
 
+inline constexpr Friction frictionless{Friction::Kind::none, 0.0};
+
 // All plugins of the build tree, loaded once per program.
 inline std::shared_ptr<const PluginHost> plugins() {
   static const auto host = std::make_shared<const PluginHost>(PluginHost::with_default_search());

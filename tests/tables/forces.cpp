@@ -31,7 +31,7 @@ Scene empty_scene(double duration, double time_step) {
   return scene;
 }
 
-RunSummary run(const Scene& scene, const TemporaryFolder& folder) {
+RunSummary run_forces(const Scene& scene, const TemporaryFolder& folder) {
   const RunSummary summary = run_scene(scene, plugins(), {folder.path(), "forces", {}});
   CAPTURE(summary.error);
   CHECK_FALSE(summary.failure);
@@ -60,7 +60,7 @@ TEST_CASE(
   motion.phase = std::numbers::pi / 2;
   scene.network.add_move({{0}, motion});
   scene.output.reactions = true;
-  run(scene, folder);
+  run_forces(scene, folder);
 
   const Csv forces = testing::read_csv(folder.path() / "reactions.csv");
   const Csv places = testing::read_csv(folder.path() / "trajectory.csv");
@@ -93,7 +93,7 @@ TEST_CASE("surfaces: a plate's weight on the floor, its torque, and an instrumen
   motion.times = {0.1, 0.3};
   motion.displacements = {Vector3::Zero(), Vector3(0, 2, 0)};
   scene.network.add_instrument({"", Vector3(0, 0, 5), Vector3(0, 0, 6), 1.0, {}, motion});
-  run(scene, folder);
+  run_forces(scene, folder);
 
   const Csv csv = testing::read_csv(folder.path() / "surfaces.csv");
   CHECK(csv.header == "time,surface,x,y,z,fx,fy,fz,tx,ty,tz,nodes,jx,jy,jz");
@@ -126,7 +126,7 @@ TEST_CASE("rigid connections: the tension is the weight below") {
   scene.network.fix(0);
   scene.network.add_rigid(0, 1);
   scene.network.add_rigid(2, 1);
-  const RunSummary summary = run(scene, folder);
+  const RunSummary summary = run_forces(scene, folder);
   CHECK(summary.files ==
         std::vector<std::string>{"events.csv", "trajectory.csv", "rigid.csv", "view.html", "summary.json"});
   const Csv csv = testing::read_csv(folder.path() / "rigid.csv");
@@ -148,7 +148,7 @@ TEST_CASE("friction: a node that is pushed slips and sticks, and the tables say 
   scene.network.add_plane({"", Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::coulomb, 0.5}});
   scene.network.add_load({{0}, Vector3(8, 0, 0), 0.1, 0.3});
   scene.output.reactions = true;
-  const RunSummary summary = run(scene, folder);
+  const RunSummary summary = run_forces(scene, folder);
   CHECK(summary.events.slipped == 1);
   CHECK(summary.events.stuck >= 1);  // once more where it lay at the start, if that counts as coming to rest
   CHECK(summary.events.released == 0);
@@ -186,7 +186,7 @@ TEST_CASE("impulses: a fall has one, even if the node has separated again before
   scene.network.add_load({{0}, Vector3(0, 0, 50), 0.25, 0.28});
   scene.output.interval = 0.15;
   scene.output.reactions = true;
-  run(scene, folder);
+  run_forces(scene, folder);
   const Csv reactions = testing::read_csv(folder.path() / "reactions.csv");
   REQUIRE(reactions.rows.size() == 1);  // not at 0.45 s: nothing has touched it since
   CHECK(reactions.number(0, 0) == doctest::Approx(0.3));
@@ -222,7 +222,7 @@ TEST_CASE("a node in a corner has both surfaces in its row") {
   scene.network.add_plane({"", Vector3(0.2, 0, 0), -Vector3::UnitX(), smooth});
   scene.network.add_load({{0}, Vector3(3, 0, 0)});
   scene.output.reactions = true;
-  run(scene, folder);
+  run_forces(scene, folder);
   const Csv reactions = testing::read_csv(folder.path() / "reactions.csv");
   REQUIRE_FALSE(reactions.rows.empty());
   CHECK(reactions.rows.front()[11] == "floor");
@@ -237,13 +237,13 @@ TEST_CASE("tables of forces are left out on request, and old ones are removed") 
   scene.network.add_node(point({1, 0, 1}));
   scene.network.add_rigid(0, 1);
   scene.network.add_plane({});
-  run(scene, folder);
+  run_forces(scene, folder);
   CHECK(std::filesystem::exists(folder.path() / "surfaces.csv"));
   CHECK(std::filesystem::exists(folder.path() / "rigid.csv"));
   scene.output.surfaces = false;
   scene.output.rigid = false;
   scene.output.view = false;
-  CHECK(run(scene, folder).files == std::vector<std::string>{"events.csv", "trajectory.csv", "summary.json"});
+  CHECK(run_forces(scene, folder).files == std::vector<std::string>{"events.csv", "trajectory.csv", "summary.json"});
   CHECK_FALSE(std::filesystem::exists(folder.path() / "surfaces.csv"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "rigid.csv"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "view.html"));

@@ -34,7 +34,7 @@ Scene swinging() {
   return scene;
 }
 
-RunSummary run(const Scene& scene, const std::filesystem::path& folder) {
+RunSummary run_swinging(const Scene& scene, const std::filesystem::path& folder) {
   const RunSummary summary = run_scene(scene, plugins(), {folder, "swinging", {}});
   CHECK_MESSAGE(!summary.failure, summary.error);
   return summary;
@@ -64,7 +64,7 @@ TEST_CASE("a binary trajectory has the states of a simulation stepped by hand, b
   const TemporaryFolder folder;
   Scene scene = swinging();
   scene.output.force = true;
-  run(scene, folder.path());
+  run_swinging(scene, folder.path());
   CHECK_FALSE(std::filesystem::exists(folder.path() / "trajectory.csv"));
   RecordReader reader(folder.path() / "trajectory.bin");
   CHECK(reader.row_name() == "node");
@@ -97,7 +97,7 @@ TEST_CASE("the layout is as documented") {
   Scene scene = swinging();
   scene.output.nodes = {2, 4};
   scene.output.velocity = false;
-  run(scene, folder.path());
+  run_swinging(scene, folder.path());
   const std::string bytes = testing::read_text(folder.path() / "trajectory.bin");
   CHECK(bytes.starts_with("springnet records 1 "));
   const std::size_t start = std::stoul(bytes.substr(20, 8));
@@ -125,9 +125,9 @@ TEST_CASE("converted binary tables are the text tables of the same run") {
   const TemporaryFolder folder;
   Scene scene = swinging();
   scene.output.springs = {1, 3};
-  run(scene, folder.path() / "binary");
+  run_swinging(scene, folder.path() / "binary");
   scene.output.format = OutputOptions::Format::csv;
-  run(scene, folder.path() / "text");
+  run_swinging(scene, folder.path() / "text");
   for (const char* name : {"trajectory", "springs"}) {
     CAPTURE(name);
     RecordReader reader(folder.path() / "binary" / (std::string(name) + ".bin"));
@@ -140,9 +140,9 @@ TEST_CASE("converted binary tables are the text tables of the same run") {
 TEST_CASE("single precision rounds to the nearest number, and times keep all digits") {
   const TemporaryFolder folder;
   Scene scene = swinging();
-  run(scene, folder.path() / "double");
+  run_swinging(scene, folder.path() / "double");
   scene.output.precision = OutputOptions::Precision::float32;
-  run(scene, folder.path() / "single");
+  run_swinging(scene, folder.path() / "single");
   RecordReader exact(folder.path() / "double/trajectory.bin"), rounded(folder.path() / "single/trajectory.bin");
   CHECK(rounded.single_precision());
   REQUIRE(rounded.records() == exact.records());
@@ -161,7 +161,7 @@ TEST_CASE("single precision rounds to the nearest number, and times keep all dig
 
 TEST_CASE("a truncated file is read up to its last complete record") {
   const TemporaryFolder folder;
-  run(swinging(), folder.path());
+  run_swinging(swinging(), folder.path());
   const std::filesystem::path file = folder.path() / "trajectory.bin";
   std::vector<double> last;
   const double time = RecordReader(file).read(9, last);
@@ -195,7 +195,7 @@ TEST_CASE("other files are refused with the reason") {
   folder.write("later.bin", "springnet records 2 00000064\n{}\n");
   CHECK(refusal(folder.path() / "later.bin").find("another version") != std::string::npos);
 
-  run(swinging(), folder.path());
+  run_swinging(swinging(), folder.path());
   const std::string bytes = testing::read_text(folder.path() / "trajectory.bin");
   folder.write("short.bin", bytes.substr(0, 100));
   CHECK(refusal(folder.path() / "short.bin").find("ends within its header") != std::string::npos);

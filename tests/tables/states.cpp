@@ -49,7 +49,7 @@ view = false
 
 Scene scene_with(const std::string& output) { return parse_scene(text + output, "states", *plugins()); }
 
-void run(const Scene& scene, const TemporaryFolder& folder) {
+void run_states(const Scene& scene, const TemporaryFolder& folder) {
   const RunSummary summary = run_scene(scene, plugins(), {folder.path(), "states", {}});
   CAPTURE(summary.error);
   CHECK_FALSE(summary.failure);
@@ -60,7 +60,7 @@ void run(const Scene& scene, const TemporaryFolder& folder) {
 TEST_CASE("states.csv has the internal states of springs and elements") {
   const TemporaryFolder folder;
   const Scene scene = scene_with("states = true\ninterval = 0.05\n");
-  run(scene, folder);
+  run_states(scene, folder);
   const Csv table = testing::read_csv(folder.path() / "states.csv");
   CHECK(table.header == "time,element,index,function,state,value");
   REQUIRE(table.rows.size() == 5 * 3);
@@ -89,14 +89,14 @@ TEST_CASE("states.csv has the internal states of springs and elements") {
 TEST_CASE("states.csv has the springs and elements that the scene records") {
   const TemporaryFolder folder;
   const auto rows = [&](const std::string& output) {
-    run(scene_with("states = true\ninterval = 1\n" + output), folder);
+    run_states(scene_with("states = true\ninterval = 1\n" + output), folder);
     std::vector<std::string> found;
     for (const auto& row : testing::read_csv(folder.path() / "states.csv").rows) found.push_back(row[1] + " " + row[2]);
     return std::vector<std::string>(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2));
   };
   CHECK(rows("springs = { springs = [1, 2] }") == std::vector<std::string>{"spring 2", "element 0"});
   CHECK(rows("elements = false") == std::vector<std::string>{"spring 0", "spring 2"});
-  run(scene_with("interval = 1"), folder);
+  run_states(scene_with("interval = 1"), folder);
   CHECK_FALSE(std::filesystem::exists(folder.path() / "states.csv"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "energies.csv"));
 }
@@ -114,7 +114,7 @@ TEST_CASE("a scene that asks for states where no law has any is refused") {
 TEST_CASE("the size of states.csv and energies.csv is estimated") {
   const TemporaryFolder folder;
   Scene scene = scene_with("states = true\nenergies = true\n");
-  run(scene, folder);
+  run_states(scene, folder);
   const auto size_of = [](const OutputEstimate& estimate, const std::string& name) {
     for (const FileEstimate& file : estimate.files)
       if (file.file == name) return file.bytes;
@@ -132,14 +132,14 @@ TEST_CASE("the size of states.csv and energies.csv is estimated") {
   CHECK(scene.output.law_states.size() == 2);
   scene.output.law_states.clear();
   CHECK(size_of(estimate_output(scene), "states.csv") == 0.0);
-  run(scene, folder);
+  run_states(scene, folder);
   CHECK(testing::read_text(folder.path() / "states.csv") == written);
 }
 
 TEST_CASE("energies.csv has what is left and what is dissipated, summed up over all steps") {
   const TemporaryFolder folder;
   const Scene scene = scene_with("energies = true\ninterval = 0.05\n");
-  run(scene, folder);
+  run_states(scene, folder);
   const Csv table = testing::read_csv(folder.path() / "energies.csv");
   CHECK(table.header == "time,kinetic,potential,dissipation,dissipated");
   REQUIRE(table.rows.size() == 5);

@@ -7,9 +7,11 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "facts.hpp"
 #include "tool.hpp"
 
 using namespace springnet;
+using springnet::testing::has;
 using testing::Answer;
 using testing::TemporaryFolder;
 
@@ -29,8 +31,6 @@ std::string bar(double stiffness, double damping) {
          "[[fix]]\nselect = { body = \"bar\", box = { min = [-1, -1, 2.9], max = [2, 2, 3.1] } }\n"
          "[output]\ninterval = 0.02\n";
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

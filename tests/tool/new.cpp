@@ -4,15 +4,15 @@
 
 #include <doctest/doctest.h>
 
+#include "facts.hpp"
 #include "tool.hpp"
 
 using namespace springnet;
+using springnet::testing::has;
 using testing::Answer;
 using testing::TemporaryFolder;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // A tetrahedron with two groups, as a mesh of Gmsh whose coordinates are millimetres.
 constexpr const char* tetrahedron = R"($MeshFormat

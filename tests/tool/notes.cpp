@@ -22,7 +22,7 @@ std::string late_scene() {
 constexpr const char* late_force = "Force 0";  // which starts at 3 s
 constexpr const char* late_cut = "Cut 0";      // at 2 s
 
-bool has(const nlohmann::json& notes, const std::string& part) {
+bool one_has(const nlohmann::json& notes, const std::string& part) {
   for (const auto& note : notes) {
     if (note.get<std::string>().find(part) != std::string::npos) return true;
   }
@@ -39,9 +39,9 @@ TEST_CASE("run, validate and inspect note what a material becomes") {
                "neuron = { type = \"point_mass\" }\nmaterial = { youngs_modulus = 1.0, poisson_ratio = 0.4 }\n");
   const std::string note = "Body 'box': a solid of springs has a Poisson ratio of 1/4";
   CHECK(testing::springnet(folder, "run box.toml").out.find("note: " + note) != std::string::npos);
-  CHECK(has(testing::read_json(folder.path() / "results/box/summary.json")["notes"], note));
+  CHECK(one_has(testing::read_json(folder.path() / "results/box/summary.json")["notes"], note));
   CHECK(testing::springnet(folder, "inspect box.toml").out.find("note: " + note) != std::string::npos);
-  CHECK(has(testing::springnet(folder, "validate box.toml --json --time-steps 0.05").json()["notes"], note));
+  CHECK(one_has(testing::springnet(folder, "validate box.toml --json --time-steps 0.05").json()["notes"], note));
 }
 
 TEST_CASE("run and validate note what lies outside of the simulated time") {
@@ -56,14 +56,14 @@ TEST_CASE("run and validate note what lies outside of the simulated time") {
     const std::size_t place = run.out.find(std::string("note: ") + note);
     CHECK(place < run.out.find("writing about"));
     CHECK(run.out.find(note, place + 10) == std::string::npos);
-    CHECK(has(summary["notes"], note));
+    CHECK(one_has(summary["notes"], note));
   }
   const auto validation = testing::springnet(folder, "validate late.toml --json --time-steps 0.05").json();
-  CHECK(has(validation["notes"], late_force));
-  CHECK(has(validation["notes"], late_cut));
+  CHECK(one_has(validation["notes"], late_force));
+  CHECK(one_has(validation["notes"], late_cut));
   CHECK(testing::springnet(folder, "validate late.toml --time-steps 0.05").out.find(late_cut) != std::string::npos);
   // A longer run has no such notes.
-  CHECK_FALSE(has(testing::springnet(folder, "run late.toml --duration 4 --json").json()["notes"], "outside"));
+  CHECK_FALSE(one_has(testing::springnet(folder, "run late.toml --duration 4 --json").json()["notes"], "outside"));
   CHECK(testing::springnet(folder, "run late.toml --quiet").out.empty());
 }
 
@@ -78,9 +78,9 @@ TEST_CASE("a time step longer than the duration is noted, and the duration is si
     const auto summary = testing::read_json(folder.path() / "results/pair/summary.json");
     CHECK(summary["simulated_s"] == 1.0);
     CHECK(summary["steps"] == 1);
-    CHECK(has(summary["notes"], "is longer than the duration"));
+    CHECK(one_has(summary["notes"], "is longer than the duration"));
   }
-  CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --time-step 1 --json").json()["notes"], "longer than"));
+  CHECK_FALSE(one_has(testing::springnet(folder, "run pair.toml --time-step 1 --json").json()["notes"], "longer than"));
 }
 
 TEST_CASE("time steps that had to be divided are counted") {
@@ -109,7 +109,7 @@ TEST_CASE("a folder without plugins is noted") {
   CHECK(testing::springnet(folder, "run --plugins mine --set 'simulation.time_step=0.1' pair.toml")
             .out.find("note: " + note) != std::string::npos);
   CHECK(testing::springnet(folder, "plugin list --plugins mine").out.find(note) != std::string::npos);
-  CHECK(has(testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"], note));
+  CHECK(one_has(testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"], note));
   // One that is not there at all as well.
   CHECK(testing::springnet(folder, "run pair.toml --plugins nowhere").out.find("nowhere: ") != std::string::npos);
   CHECK(testing::springnet(folder, "run pair.toml").out.find("no plugin") == std::string::npos);
@@ -124,8 +124,8 @@ TEST_CASE("a refused plugin that would provide a law of the scene is noted with 
                                 (std::filesystem::path(SPRINGNET_FIXTURES) / "double").string();
   const auto notes = testing::springnet(folder, arguments + " --json").json()["notes"];
   CAPTURE(notes);
-  CHECK(has(notes, own + ": spring function 'linear' is already provided by a plugin of the same id, "
-                         "springnet.spring.linear 1.2.3"));
+  CHECK(one_has(notes, own + ": spring function 'linear' is already provided by a plugin of the same id, "
+                             "springnet.spring.linear 1.2.3"));
   CHECK(testing::springnet(folder, arguments).out.find("note: Plugin refused: " + own) != std::string::npos);
 }
 
@@ -157,8 +157,8 @@ TEST_CASE("refused plugins that do not matter to the run are counted in one note
     std::filesystem::copy_file(file, folder.path() / "mine" / std::filesystem::path(file).filename());
   const auto notes = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
   CAPTURE(notes.dump());
-  CHECK(has(notes, std::to_string(files.size()) + " plugin files were refused"));
-  CHECK_FALSE(has(notes, "Plugin refused"));
+  CHECK(one_has(notes, std::to_string(files.size()) + " plugin files were refused"));
+  CHECK_FALSE(one_has(notes, "Plugin refused"));
   // So are refused files in folders of the environment variable.
   folder.write("mine/broken.springnet.so", "no library");
   for (const std::string& file : files)
@@ -172,11 +172,11 @@ TEST_CASE("refused plugins that do not matter to the run are counted in one note
   for (int k = 0; k < 9; ++k) folder.write(fmt::format("mine/broken{}.springnet.so", k), "no library");
   const auto many = testing::springnet(folder, "run pair.toml --json --plugins mine").json()["notes"];
   CAPTURE(many.dump());
-  CHECK_FALSE(has(many, "Plugin refused"));
-  CHECK(has(many,
-            "10 plugin files were refused (broken.springnet.so, broken0.springnet.so, broken1.springnet.so, …); "
-            "'springnet plugin list' with the same --plugins lists the reasons."));
-  CHECK_FALSE(has(testing::springnet(folder, "run pair.toml --json").json()["notes"], "refused"));
+  CHECK_FALSE(one_has(many, "Plugin refused"));
+  CHECK(one_has(many,
+                "10 plugin files were refused (broken.springnet.so, broken0.springnet.so, broken1.springnet.so, …); "
+                "'springnet plugin list' with the same --plugins lists the reasons."));
+  CHECK_FALSE(one_has(testing::springnet(folder, "run pair.toml --json").json()["notes"], "refused"));
 }
 
 TEST_CASE("a folder of plugins that was not searched is told once, with who names it") {

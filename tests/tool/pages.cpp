@@ -7,9 +7,11 @@
 
 #include <doctest/doctest.h>
 
+#include "facts.hpp"
 #include "tool.hpp"
 
 using namespace springnet;
+using springnet::testing::has;
 using testing::Answer;
 using testing::TemporaryFolder;
 
@@ -44,8 +46,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     text.replace(at, what.size(), with);
   return text;
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -6,17 +6,17 @@
 
 #include <doctest/doctest.h>
 
+#include "facts.hpp"
 #include "tool.hpp"
 
 using namespace springnet;
+using springnet::testing::has;
 using testing::Answer;
 using testing::TemporaryFolder;
 
 namespace {
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-std::size_t lines_of(const std::string& text) {
+std::size_t line_count(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
@@ -41,7 +41,7 @@ TEST_CASE("a new plugin has a source, a project, a test, a scene and a page") {
     CHECK(has(answer.out, "Next:\n  cmake -S " + name + " -B " + name + "/build"));
     const std::string source = testing::read_text(folder.path() / name / (name + ".cpp"));
     CHECK(has(source, "SPRINGNET_PLUGIN(\"org.example." + name + "\""));
-    if (kind != std::string("integrator")) CHECK(lines_of(source) <= 20);
+    if (kind != std::string("integrator")) CHECK(line_count(source) <= 20);
   }
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("a formula becomes C++ with its names as parameters to be described") 
   REQUIRE(testing::springnet(folder, fene).status == 0);
   const std::string source = testing::read_text(folder.path() / "fene/fene.cpp");
   CAPTURE(source);
-  CHECK(lines_of(source) <= 20);
+  CHECK(line_count(source) <= 20);
   CHECK(has(source, "struct FeneLaw : SpringFunction {\n  enum { stiffness, limit };\n"));
   CHECK(has(source, "number(\"stiffness\", \"1\", \"\").learnable(), number("));
   CHECK(has(source, "TODO: units, meanings, bounds"));
@@ -200,7 +200,7 @@ TEST_CASE("parameters share lines, and so do constants of one type") {
           .status == 0);
   const std::string source = testing::read_text(folder.path() / "long/long.cpp");
   CAPTURE(source);
-  CHECK(lines_of(source) <= 20);
+  CHECK(line_count(source) <= 20);
   CHECK(has(source, "static constexpr bool reads_time = true, not_zero_at_rest = true;\n"));
   // With a state and a margin there is no room for empty lines.
   REQUIRE(testing::springnet(folder,
@@ -209,7 +209,7 @@ TEST_CASE("parameters share lines, and so do constants of one type") {
               .status == 0);
   const std::string full = testing::read_text(folder.path() / "full/full.cpp");
   CAPTURE(full);
-  CHECK(lines_of(full) == 20);
+  CHECK(line_count(full) == 20);
   CHECK(has(full, "  enum { stiffness, limit, relaxation, z = 0 };\n"));
   for (const std::string& each : {source, full}) {
     std::istringstream lines(each);

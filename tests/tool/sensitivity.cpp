@@ -2,9 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include "facts.hpp"
 #include "tool.hpp"
 
 using namespace springnet;
+using springnet::testing::has;
 using testing::Answer;
 using testing::TemporaryFolder;
 
@@ -18,8 +20,6 @@ std::string weight(const std::string& more) {
          "neuron = { type = \"point_mass\", mass = 2.0 }\nspring = { type = \"linear\", stiffness = 20.0 }\n"
          "[[fix]]\nselect = { nodes = [0] }\n[output]\nnodes = { nodes = [1] }\ninterval = 0.05\n";
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

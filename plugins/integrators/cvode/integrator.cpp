@@ -21,11 +21,12 @@ constexpr int max_shortenings = 20;
 // More events at one time, beyond one of each kind, are a chattering contact, not a chain of ruptures or contacts.
 constexpr std::uint64_t max_events_at_once = 16;
 
+constexpr double shortest_product = 1e-100;  // s: products of shorter steps are 0
+
 // Whether two times differ by at most this many roundings.
 bool same_time(double a, double b, double roundings) noexcept {
-  constexpr double least = 1e-100;  // s: products of shorter steps are 0
   const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
-  return std::abs(b - a) <= std::max(roundings * rounding, least);
+  return std::abs(b - a) <= std::max(roundings * rounding, shortest_product);
 }
 constexpr double shortest_step = 16.0;    // roundings: CVODE cannot step between closer times
 constexpr double root_accuracy = 1000.0;  // roundings: CVODE locates roots to 100 of the time and of the step
@@ -368,6 +369,13 @@ bool ReferenceIntegrator::steps_reach(double target, long max_steps, double& rea
     if (searches) search_for_impact(target);
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
+    // CVODE takes any time for reached if the product with the step is 0.
+    double length = 0.0;
+    check(CVodeGetCurrentStep(memory, &length));
+    if (std::abs(length) < shortest_product) {
+      check(CVodeGetCurrentTime(memory, &reached));
+      fail(creeping, reached);
+    }
     if (settings_.dense_output) dense_.add_step(memory, restart_time_, context_);
     if (searches) search_for_impact(target);
     // A root at the same time marks further events.

@@ -23,12 +23,6 @@ using springnet::ParameterValues;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-enum Method { bdf, adams };
-enum Solver { automatic, direct, krylov, none };
-ParameterValues options(Method method, Solver solver, double tolerance = 1e-8) {
-  return {{"method", method}, {"linear_solver", solver}, {"relative_tolerance", tolerance}};
-}
-
 // a = P p + V v with constant matrices.
 void make_linear(SmallHost& host, const Matrix& by_position, const Matrix& by_velocity) {
   host.acceleration = [=](double, const Vector& p, const Vector& v) -> Vector {

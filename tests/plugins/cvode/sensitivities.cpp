@@ -13,12 +13,6 @@ namespace {
 using Vector = SmallHost::Vector;
 using Matrix = SmallHost::Matrix;
 
-enum Method { bdf, adams };
-enum Solver { automatic, direct, krylov, none };
-springnet::ParameterValues options(Method method, Solver solver, double tolerance = 1e-8) {
-  return {{"method", method}, {"linear_solver", solver}, {"relative_tolerance", tolerance}};
-}
-
 // a = -9 p
 void make_oscillate(SmallHost& host) {
   host.acceleration = [](double, const Vector& p, const Vector&) -> Vector { return -9.0 * p; };

@@ -19,6 +19,13 @@
 #include <springnet/plugin_host.hpp>
 #include <springnet/sdk/host.hpp>
 
+// The plugin's parameters.
+enum Method { bdf, adams };
+enum Solver { automatic, direct, krylov, none };
+inline springnet::ParameterValues options(Method method, Solver solver, double tolerance = 1e-8) {
+  return {{"method", method}, {"linear_solver", solver}, {"relative_tolerance", tolerance}};
+}
+
 class SmallHost {
  public:
   using Vector = Eigen::VectorXd;  // 3 node_count: x of all nodes, then y, then z

@@ -20,12 +20,10 @@ Network stretched() {
 }
 
 // One free node on one spring; synchronous sweeps settle while t_c^2 k / m is below 1.
-Simulation spring_of(double stiffness, double policy, ParameterValues more = {}) {
+Simulation adapting_spring(double stiffness, double policy, ParameterValues more = {}) {
   more["unsettled"] = policy;
   return simulate(oscillator(damped(stiffness, 0.0), 1.0, 0.1), recurrent(synchronous, 1e-9, std::move(more)), 1.0);
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
@@ -53,7 +51,7 @@ TEST_CASE("continuation ends at the state that Newton's method finds for the und
 
 TEST_CASE("subdivision takes smaller steps, reports their number and keeps to the grid of times") {
   // t_c^2 k / m = 6: a half is above 1 as well, a quarter is not.
-  Simulation divided = spring_of(6.0, on_unsettled_adapt);
+  Simulation divided = adapting_spring(6.0, on_unsettled_adapt);
   SimulationOptions options;
   options.time_step = 0.25;
   options.threads = 1;
@@ -72,7 +70,7 @@ TEST_CASE("subdivision takes smaller steps, reports their number and keeps to th
     CHECK(divided.velocity(1) == small.velocity(1));
   }
   // Back to whole steps as soon as they settle.
-  Simulation easing = spring_of(6.0, on_unsettled_adapt);
+  Simulation easing = adapting_spring(6.0, on_unsettled_adapt);
   CHECK(easing.step().substeps == 4);
   easing.cut({0});
   CHECK(easing.step().substeps == 0);
@@ -80,7 +78,7 @@ TEST_CASE("subdivision takes smaller steps, reports their number and keeps to th
 
 TEST_CASE("a step that no subdivision settles ends in an error that advises rules and less stiffness") {
   // t_c^2 k / m = 1e10: a step of 2^-12 is far above 1.
-  Simulation simulation = spring_of(1e10, on_unsettled_adapt);
+  Simulation simulation = adapting_spring(1e10, on_unsettled_adapt);
   std::string why;
   try {
     simulation.step();
@@ -88,7 +86,7 @@ TEST_CASE("a step that no subdivision settles ends in an error that advises rule
     why = error.what();
   }
   CHECK(has_all(why, {"\"newton\"", "\"automatic\"", "stiffness"}));
-  CHECK_FALSE(contains(why, "smaller time_step"));
+  CHECK_FALSE(has(why, "smaller time_step"));
   CHECK(simulation.time() == 0.0);
 }
 
@@ -106,13 +104,13 @@ TEST_CASE("automatic notes the rule that it selects and the critical time consta
   CHECK(has_all(short_step, {"rule synchronous", " 0.2 times", " 0.5 s"}));
   CHECK(has_all(long_step, {"rule newton", " 10 times", " 0.5 s"}));
   // Synchronous sweeps up to three quarters of it.
-  CHECK(contains(note_of(0.36, 0.0), "rule synchronous: "));
-  CHECK(contains(note_of(0.39, 0.0), "rule synchronous, accelerated: "));
+  CHECK(has(note_of(0.36, 0.0), "rule synchronous: "));
+  CHECK(has(note_of(0.39, 0.0), "rule synchronous, accelerated: "));
   // Accelerated ones up to a fifth more than all of it.
-  CHECK(contains(note_of(0.58, 0.0), "rule synchronous, accelerated: "));
-  CHECK(contains(note_of(0.62, 0.0), "rule newton"));
+  CHECK(has(note_of(0.58, 0.0), "rule synchronous, accelerated: "));
+  CHECK(has(note_of(0.62, 0.0), "rule newton"));
   // t_c^2 k / m + t_c d / m = 1 at (sqrt(5) - 1) / 4 = 0.309 s.
-  CHECK(contains(viscous, " 0.31 s"));
+  CHECK(has(viscous, " 0.31 s"));
 }
 
 TEST_CASE("where nothing limits the time step, the note has no numbers") {
@@ -122,7 +120,7 @@ TEST_CASE("where nothing limits the time step, the note has no numbers") {
   Simulation simulation = simulate(net, {"recurrent", {}}, 0.1);
   simulation.step();
   const std::string note = simulation.notes().at(0);
-  CHECK(contains(note, "synchronous"));
+  CHECK(has(note, "synchronous"));
   CHECK(note.find_first_of("0123456789") == std::string::npos);
 }
 
@@ -132,7 +130,7 @@ TEST_CASE("a step that the selected rule does not settle is solved with Newton's
       oscillator({LawUse{"exponential", {{"stiffness", 1.0}, {"exponent", 10.0}}}, std::nullopt}, 1.0, 0.0, 4.0);
   Simulation simulation = simulate(net, {"recurrent", {}}, 0.1);
   for (int i = 0; i < 20; ++i) CHECK(simulation.step().outcome == Outcome::settled);
-  CHECK(contains(simulation.notes().at(0), "synchronous"));
+  CHECK(has(simulation.notes().at(0), "synchronous"));
   CHECK(has_all(simulation.notes().at(1), {"synchronous", "newton"}));
   CHECK(simulation.statistics().at("escalated_steps") >= 1);
   // The same steps as with Newton's method throughout.

@@ -22,11 +22,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-LawUse verlet(double substeps = 1) { return {"verlet", {{"substeps", substeps}}}; }
+LawUse verlet_of(double substeps = 1) { return {"verlet", {{"substeps", substeps}}}; }
 
 // What the error of a first step of `time_step` advises; 0 if the step is taken.
 double advice(const Network& net, double time_step, double substeps = 1) {
-  Simulation simulation = simulate(net, verlet(substeps), time_step);
+  Simulation simulation = simulate(net, verlet_of(substeps), time_step);
   try {
     simulation.step();
   } catch (const Error& error) {
@@ -144,7 +144,7 @@ TEST_CASE("the limit of one oscillator is that of the closed form, without dampi
     CHECK(advice(net, 1.005 * limit) == 2.0);
     CHECK(advice(net, 1e3 * limit) == doctest::Approx(1030.0).epsilon(2e-3));
     // The motion itself stays bounded, too.
-    Simulation simulation = simulate(net, verlet(), 0.995 * limit);
+    Simulation simulation = simulate(net, verlet_of(), 0.995 * limit);
     for (int i = 0; i < 300; ++i) simulation.step();
     CHECK(std::abs(simulation.position(1)[0] - 1.0) <= 0.2);
   }
@@ -162,7 +162,7 @@ TEST_CASE("with rigid connections the limit is that of a step that evaluates the
     const double limit = k > c * c ? 4.0 / (c + std::sqrt(4.0 * k - 3.0 * c * c)) : 2.0 / c;
     CHECK(advice(net, 0.995 * limit) == 0.0);
     CHECK(advice(net, 1.01 * limit) == 2.0);
-    Simulation simulation = simulate(net, verlet(), 0.995 * limit);
+    Simulation simulation = simulate(net, verlet_of(), 0.995 * limit);
     for (int i = 0; i < 300; ++i) simulation.step();
     CHECK(std::abs(simulation.position(1)[0] - 1.0) <= 0.2);
   }
@@ -174,7 +174,7 @@ TEST_CASE("a limit that damping alone sets is found at once, without nan or inf 
   CHECK(advice(net, 0.01) == doctest::Approx(1.03e4).epsilon(1e-3));
   CHECK(advice(net, 0.01, advice(net, 0.01)) == 0.0);
   // More substeps than there can be.
-  Simulation simulation = simulate(net, verlet(), 1e6);
+  Simulation simulation = simulate(net, verlet_of(), 1e6);
   try {
     simulation.step();
     FAIL("the step was accepted");
