@@ -19,6 +19,10 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include <springnet/error.hpp>
+
 #include "constraints/vectors.hpp"
 #include "profile/stage.hpp"
 #include "simulation/body_impact_search.hpp"

@@ -54,7 +54,7 @@ Motion sinusoid(const Vector3& amplitude, double frequency) {
 
 // The change is refused with an Error(input) that has these facts.
 template <class Change>
-void refused(const Change& change, const std::string& words) {
+void square_refused(const Change& change, const std::string& words) {
   Network network = square();
   std::string message;
   try {
@@ -75,15 +75,15 @@ void refused(const Change& change, const std::string& words) {
 }
 
 void motion_refused(const Motion& motion, const std::string& words) {
-  refused([&](Network& n) { n.add_move({{0, 1}, motion}); }, "a motion of nodes");
-  refused([&](Network& n) { n.add_move({{0, 1}, motion}); }, words);
-  refused(
+  square_refused([&](Network& n) { n.add_move({{0, 1}, motion}); }, "a motion of nodes");
+  square_refused([&](Network& n) { n.add_move({{0, 1}, motion}); }, words);
+  square_refused(
       [&](Network& n) {
         n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {}, motion});
       },
       "the motion of plane 'floor'");
-  refused([&](Network& n) { n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {}, motion}); }, words);
-  refused(
+  square_refused([&](Network& n) { n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {}, motion}); }, words);
+  square_refused(
       [&](Network& n) {
         n.add_instrument({"", Vector3::Zero(), Vector3::Zero(), 1.0, {}, motion});
       },
@@ -117,16 +117,16 @@ TEST_CASE("instruments: spheres and capsules") {
   const auto with_radius = [](double radius) {
     return [=](Network& n) { n.add_instrument({"ball", Vector3::Zero(), Vector3::Zero(), radius, {}, std::nullopt}); };
   };
-  refused(with_radius(0), "instrument 'ball' | radius | above 0 m | is 0");
-  refused(with_radius(-1), "is -1");
-  refused(with_radius(inf), "is inf");
-  refused(with_radius(nan_value), "is nan");
-  refused(
+  square_refused(with_radius(0), "instrument 'ball' | radius | above 0 m | is 0");
+  square_refused(with_radius(-1), "is -1");
+  square_refused(with_radius(inf), "is inf");
+  square_refused(with_radius(nan_value), "is nan");
+  square_refused(
       [](Network& n) {
         n.add_instrument({"", {nan_value, 0, 0}, Vector3::Zero(), 1.0, {}, std::nullopt});
       },
       "end of an instrument");
-  refused(
+  square_refused(
       [](Network& n) {
         n.add_instrument({"", Vector3::Zero(), {0, inf, 0}, 1.0, {}, std::nullopt});
       },
@@ -156,7 +156,7 @@ TEST_CASE("instruments: boxes") {
 
   const auto box_refused = [](const Vector3& size, const Eigen::Matrix3d& axes_given, double radius,
                               const char* words) {
-    refused(
+    square_refused(
         [&](Network& n) {
           Instrument instrument;
           instrument.name = "block";
@@ -176,7 +176,7 @@ TEST_CASE("instruments: boxes") {
   box_refused({2, 1, 3}, upright, 0.51, "radius | 0.5 m | 0.51");
   box_refused({1, 1, 1}, upright, -0.1, "is -0.1 m");
   box_refused({1, 1, 1}, upright, nan_value, "is nan m");
-  refused(
+  square_refused(
       [](Network& n) {
         Instrument instrument;
         instrument.first = {0, inf, 0};
@@ -207,7 +207,7 @@ TEST_CASE("obstacles that turn") {
   CHECK(network.instruments()[0].turn->through == Vector3(1, 2, 3));
 
   const auto turn_refused = [](const Turn& wrong, const char* words) {
-    refused(
+    square_refused(
         [&](Network& n) {
           Plane floor;
           floor.name = "floor";
@@ -215,7 +215,7 @@ TEST_CASE("obstacles that turn") {
           n.add_plane(floor);
         },
         std::string("turn | plane 'floor' | ") + words);
-    refused(
+    square_refused(
         [&](Network& n) {
           Instrument instrument;
           instrument.turn = wrong;
@@ -267,14 +267,14 @@ TEST_CASE("restitution is 0 to 1") {
   network.add_plane(plane);
   CHECK(network.planes()[0].restitution == 1);
   for (const double restitution : {-0.1, 1.1, nan_value}) {
-    refused(
+    square_refused(
         [&](Network& n) {
           Plane floor;
           floor.restitution = restitution;
           n.add_plane(floor);
         },
         "plane | restitution | 0 to 1");
-    refused(
+    square_refused(
         [&](Network& n) {
           Instrument instrument;
           instrument.restitution = restitution;
@@ -307,12 +307,12 @@ TEST_CASE("names of obstacles are unique among planes and instruments") {
 
 TEST_CASE("coefficients of friction are at least 0") {
   for (const double coefficient : {-0.1, nan_value, inf}) {
-    refused(
+    square_refused(
         [&](Network& n) {
           n.add_plane({"floor", Vector3::Zero(), Vector3::UnitZ(), {Friction::Kind::coulomb, coefficient}});
         },
         "plane 'floor' | friction | at least 0");
-    refused(
+    square_refused(
         [&](Network& n) {
           n.add_instrument(
               {"", Vector3::Zero(), Vector3::Zero(), 1.0, {Friction::Kind::coulomb, coefficient}, std::nullopt});
@@ -346,7 +346,7 @@ TEST_CASE("nodes that move count as fixed") {
 
   CHECK_THROWS_WITH_AS(network.add_move({{3, 2}, lift}), doctest::Contains("node 2"), springnet::Error);
   CHECK_FALSE(network.nodes()[3].fixed);
-  refused([](Network& n) { n.add_move({{0, 4}, lift}); }, "node 4 | only 4");
+  square_refused([](Network& n) { n.add_move({{0, 4}, lift}); }, "node 4 | only 4");
 }
 
 TEST_CASE("motions that are refused") {
@@ -421,14 +421,14 @@ TEST_CASE("a node that is joined rigidly keeps its distances") {
 }
 
 TEST_CASE("rigid connections that are refused") {
-  refused([](Network& n) { n.add_rigid(0, 4); }, "rigid connection | node 0 | node 4 | only 4");
-  refused([](Network& n) { n.add_rigid(2, 2); }, "rigid connection | node 2");
+  square_refused([](Network& n) { n.add_rigid(0, 4); }, "rigid connection | node 0 | node 4 | only 4");
+  square_refused([](Network& n) { n.add_rigid(2, 2); }, "rigid connection | node 2");
   for (const double length : {0.0, -1.0, nan_value, inf}) {
-    refused([&](Network& n) { n.add_rigid(0, 1, length); }, "length | above 0 m");
+    square_refused([&](Network& n) { n.add_rigid(0, 1, length); }, "length | above 0 m");
   }
-  refused([](Network& n) { n.add_rigid(0, 1, 2.0); }, "node 0 | node 1 | 2 m | 1 m");
-  refused([](Network& n) { n.add_rigid(0, 1, 1.0 + 1.1e-8); }, "apart");
-  refused(
+  square_refused([](Network& n) { n.add_rigid(0, 1, 2.0); }, "node 0 | node 1 | 2 m | 1 m");
+  square_refused([](Network& n) { n.add_rigid(0, 1, 1.0 + 1.1e-8); }, "apart");
+  square_refused(
       [](Network& n) {
         n.add_node({Vector3(1, 0, 0), Vector3::Zero(), 1, 0, false});
         n.add_rigid(1, 4);
