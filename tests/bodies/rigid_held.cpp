@@ -157,3 +157,28 @@ TEST_CASE("corners of a rigid box are fixed while they touch a fixed board") {
     }
   }
 }
+
+// A ball that goes on down, onto a grain, or a box, that lies on the floor.
+TEST_CASE("what has no place left between a moved body and the floor is an error") {
+  for (const bool is_box : {false, true}) {
+    for (const Method& method : methods(1e-6)) {
+      CAPTURE(is_box);
+      CAPTURE(method.name);
+      Network net;
+      if (is_box)
+        add_box(net, "box", {-0.1, -0.1, 0}, {box_side, box_side, box_side}, box_mass, wall);
+      else
+        add_ball(net, "grain", {0, 0, 0}, at_rest, 0.1, wall);
+      Plane floor;
+      floor.friction = frictionless;
+      net.add_plane(floor);
+      add_pusher(net, {0, 0, (is_box ? box_side : 0.0) + wall + ball_radius + 0.01}, {0, 0, -1.0});
+      touch(net, 0, 1, frictionless);
+      net.set_gravity({0, 0, -g});
+      Simulation s = simulate(net, method.integrator, 0.002);
+      CHECK_THROWS_AS(s.advance_to(0.2), Error);
+      CHECK(s.time() >= 0.008);
+      CHECK(s.time() <= 0.05);
+    }
+  }
+}
