@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <springnet/error.hpp>
 
@@ -185,10 +186,11 @@ springnet_status constrain_verlet(Model& model, const springnet_sweep& step, std
     throw Error(ErrorKind::plugin, "a drift must end after the committed time and have a positive time_constant");
   if (!last) last = std::make_unique<VerletStep>();
   const std::shared_ptr<VerletContact> before = last->obstacles;
+  bool is_first = true;
   const auto constrain_obstacles = [&](const VerletContact::Pushes& pushes) -> springnet_status {
     if (!obstacles) return SPRINGNET_OK;
     // Not what obstacles did with other pushes: those that nodes met then they may not meet now.
-    model.contact.discard_sweep();
+    if (!std::exchange(is_first, false)) model.contact.discard_sweep();
     last->obstacles = std::make_shared<VerletContact>(model, step.time, step.time_constant, before.get());
     return last->obstacles->drift(step, pushes);
   };
