@@ -28,10 +28,10 @@ struct Diverged {
 
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
-constexpr int max_reopened = 20;       // rounds of obstacles that change what they hold of rigid bodies
-constexpr int max_bounce_rounds = 50;  // rounds of impacts within a step after which they are inelastic
-constexpr double deep = 0.25;          // of the thickness: overlaps of what nothing lets give way
-constexpr double simultaneous = 1e-9;  // share of the step within which impacts are at the same time
+constexpr int max_reopened = 20;        // rounds of obstacles that change what they hold of rigid bodies
+constexpr int max_bounce_rounds = 50;   // rounds of impacts within a step after which they are inelastic
+constexpr double share_of_held = 0.25;  // of the thickness: overlaps of what nothing lets give way
+constexpr double simultaneous = 1e-9;   // share of the step within which impacts are at the same time
 // A pair that meets at the very end of a step: impulses of the kick stop it.
 constexpr double least_lever = 1e-3;  // of the step
 
@@ -524,7 +524,7 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
   }
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const double overlap = rows_[r].is_blocked ? -gap(r, step.next_position) : 0.0;
-    if (!(overlap > deep * contacts_[r].thickness)) continue;
+    if (!(overlap > share_of_held * contacts_[r].thickness)) continue;
     set_message(model_.journal.message,
                 fmt::format("{} overlap by {:g} m, and there is no place left for either between bodies and obstacles; "
                             "stop their motion earlier, or let them escape",
