@@ -77,21 +77,8 @@ constexpr double block_mass = 0.4;
 Network falling_blocks(int count, double spacing) {
   Network net;
   for (int block = 0; block < count; ++block) {
-    net.begin_body("block " + std::to_string(block));
-    const auto first = static_cast<NodeIndex>(net.nodes().size());
     const Vector3 origin(0.007 * (block % 4), 0.011 * (block % 3), spacing * block + 0.002);
-    for (int k = 0; k < 8; ++k)
-      net.add_node(point(origin + 0.2 * Vector3(k & 1, k >> 1 & 1, k >> 2), block_mass / 8.0));
-    // Two triangles a side, outwards.
-    constexpr std::array<std::array<NodeIndex, 4>, 6> sides{
-        {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
-    for (const auto& side : sides) {
-      net.add_face({first + side[0], first + side[1], first + side[2]});
-      net.add_face({first + side[0], first + side[2], first + side[3]});
-    }
-    net.end_body();
-    net.set_extent(net.bodies().size() - 1, 0.006, 0.0);
-    join(net, first, 8);
+    add_box(net, "block " + std::to_string(block), origin, Vector3::Constant(0.2), block_mass, 0.003);
   }
   touch_all(net, {Friction::Kind::coulomb, 0.5});
   Plane floor;

@@ -14,7 +14,8 @@ inline void join(Network& net, NodeIndex first, NodeIndex count) {
     for (NodeIndex j = first; j < i; ++j) net.add_rigid(i, j);
 }
 
-// A rigid box of eight nodes with faces of twice this radius in thickness: its body's number.
+// A rigid box of eight nodes, two triangles a side, outwards, whose faces are twice this radius thick: its body's
+// number.
 inline std::size_t add_box(Network& net, const std::string& name, const Vector3& origin, const Vector3& size,
                            double mass, double radius, const Vector3& velocity = Vector3::Zero()) {
   net.begin_body(name);
