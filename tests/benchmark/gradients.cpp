@@ -29,7 +29,7 @@ std::shared_ptr<const PluginHost> plugins() {
 }
 
 Motion of_scene(const std::string& name, double duration) {
-  Scene scene = load_scene(std::string(EXAMPLES) + "/" + name + "/" + name + ".toml", *plugins());
+  Scene scene = load_scene(EXAMPLES "/" + name + "/" + name + ".toml", *plugins());
   scene.options.threads = 1;
   return {std::make_shared<const Network>(std::move(scene.network)), scene.options, duration};
 }

@@ -33,7 +33,7 @@ TEST_CASE("a case of PhysTwin's data is turned into a scene and observations of 
   const std::filesystem::path at = folder.path();
   const std::string log = (at / "log").string(), tool = SPRINGNET_TOOL;
   const std::string make = std::string(interpreter) + " " + TESTS + "/examples/phystwin_case.py ";
-  const std::string convert = std::string(interpreter) + " " + EXAMPLES + "/twin/from_phystwin ";
+  const std::string convert = std::string(interpreter) + " " EXAMPLES "/twin/from_phystwin ";
   REQUIRE(run_tool(make + (at / "case").string(), log) == 0);
   const int status = run_tool(convert + (at / "case").string() + " " + (at / "out").string(), log);
   CAPTURE(read_text(log));

@@ -14,7 +14,7 @@ using namespace springnet::testing;
 TEST_CASE("the gall bladder of an expert's words becomes the one that was observed") {
   const TemporaryFolder folder;
   const std::string log = (folder.path() / "log").string();
-  const std::string command = std::string(EXAMPLES) + "/identify/identify --quick " + SPRINGNET_TOOL + " " +
+  const std::string command = EXAMPLES "/identify/identify --quick " SPRINGNET_TOOL " " +
                               (folder.path() / "out").string() + " >" + log + " 2>&1";
   const int status = std::system(command.c_str());
   const std::string text = read_text(log);

@@ -12,8 +12,8 @@ using namespace springnet::testing;
 TEST_CASE("a twin learns each spring of a toy that cameras see, and moves as the toy with a grip that it never saw") {
   const TemporaryFolder folder;
   const std::string log = (folder.path() / "log").string();
-  const std::string command = std::string(EXAMPLES) + "/twin/twin --quick " + SPRINGNET_TOOL + " " +
-                              (folder.path() / "out").string() + " >" + log + " 2>&1";
+  const std::string command =
+      EXAMPLES "/twin/twin --quick " SPRINGNET_TOOL " " + (folder.path() / "out").string() + " >" + log + " 2>&1";
   const int status = std::system(command.c_str());
   const std::string text = read_text(log);
   CAPTURE(text);

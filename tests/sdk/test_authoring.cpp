@@ -1,12 +1,13 @@
 // The promise to authors: a plugin with a new law is at most twenty lines.
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 
 namespace {
 int lines_of(const std::string& file) {
-  std::ifstream stream(std::string(SPRINGNET_SOURCES) + "/" + file);
+  std::ifstream stream(std::filesystem::path(SPRINGNET_SOURCES) / file);
   REQUIRE_MESSAGE(stream.is_open(), file);
   int count = 0;
   for (std::string line; std::getline(stream, line);) ++count;
