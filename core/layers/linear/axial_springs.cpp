@@ -2,26 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-
-#include <omp.h>
-
-#include "layers/law_pair.hpp"
 
 namespace springnet::layers {
-
-struct AxialSprings::Scratch {
-  SegmentGeometry geometry;
-  PairAnswers<max_segment> answers;
-};
 
 AxialSprings::AxialSprings(const Layout& layout, const Evaluator& evaluator)
     : layout_(layout),
       evaluator_(evaluator),
       linear_kernels_(spring_kernels_for(evaluator.instruction_set())),
-      order_(layout) {}
-
-AxialSprings::~AxialSprings() = default;
+      order_(layout),
+      segments_(layout, evaluator) {}
 
 void AxialSprings::follow() {
   if (!order_.follow() && is_laid_out_) return;
@@ -45,10 +34,7 @@ void AxialSprings::follow() {
       for (std::uint32_t slot = segment.begin; slot < segment.begin + segment.count; ++slot) {
         const std::uint32_t s = units[u].spring[slot];
         if (s == no_spring) continue;
-        const std::uint32_t other = order_.ends_in(u, segment, s).second;
-        const bool is_within = other >= units[u].first_node && other < units[u].end_node();
-        place_of_slot_[u][slot] = place_[s] =
-            static_cast<std::uint32_t>(begin_[2 * u + (is_within ? 0 : 1)] + order_.units()[u].place[slot]);
+        place_of_slot_[u][slot] = place_[s] = static_cast<std::uint32_t>(begin_[2 * u] + order_.units()[u].place[slot]);
       }
     }
     for (const SpringsOfUnit::Incoming& each : order_.units()[u].incoming)
@@ -60,16 +46,12 @@ void AxialSprings::follow() {
 
 bool AxialSprings::update(double time, const NodeArrays& nodes, const std::vector<std::uint8_t>& constrained) {
   follow();
-  // An exception that left the threads would end the process.
-  while (scratch_.size() < evaluator_.threads()) scratch_.push_back(std::make_unique<Scratch>());
+  segments_.reserve();
   const auto units = static_cast<std::int64_t>(layout_.units().size());
   std::vector<std::uint8_t> done(layout_.units().size(), 0);
 #pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
   for (std::int64_t u = 0; u < units; ++u)
-    done[static_cast<std::size_t>(u)] = update_unit(static_cast<std::size_t>(u), time, nodes, constrained,
-                                                    *scratch_[static_cast<std::size_t>(omp_get_thread_num())])
-                                            ? 1
-                                            : 0;
+    done[static_cast<std::size_t>(u)] = update_unit(static_cast<std::size_t>(u), time, nodes, constrained) ? 1 : 0;
   if (std::find(done.begin(), done.end(), std::uint8_t{0}) != done.end()) return false;
   for (const auto& [from, to] : copies_) {
     values_[to] = values_[from];
@@ -79,58 +61,12 @@ bool AxialSprings::update(double time, const NodeArrays& nodes, const std::vecto
 }
 
 bool AxialSprings::update_unit(std::size_t index, double time, const NodeArrays& nodes,
-                               const std::vector<std::uint8_t>& constrained, Scratch& scratch) {
+                               const std::vector<std::uint8_t>& constrained) {
   const FlushDenormals flush;  // in every thread
-  const Unit& unit = layout_.units()[index];
-  const Kernels& kernels = kernels_for(evaluator_.instruction_set());
-  SegmentGeometry& g = scratch.geometry;
-  const PairOutputs out = scratch.answers.outputs(true, false);
-  springnet_message message{};
-  for (const Segment& segment : unit.segments) {
-    if (segment.dead == segment.count) continue;
-    const Group& group = layout_.laws().groups[segment.group];
-    const SegmentSprings springs = unit.springs_of(segment);
-    kernels.lengths_and_rates(springs, nodes, g);
-    kernels.relative_speeds(springs, nodes, g);
-    if (Unit::is_unsettled(segment)) {
-      kernels.settle_dead(springs, segment.living, g);
-      kernels.settle_dead_speeds(springs, segment.living, g);
-    }
-    const SegmentColumns columns(unit, segment, group);
-    const RowSelection rows =
-        segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()} : RowSelection{nullptr, segment.row};
-    const LawBatch batch{group,
-                         segment.count,
-                         rows,
-                         g.length,
-                         g.rate,
-                         g.speed,
-                         {layout_.internal(), segment.group, nodes, unit.internal_of(segment)},
-                         nullptr,
-                         {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}};
-    if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) return false;
-    AxialAnswers answers{unit.spring.data() + segment.begin,
-                         place_of_slot_[index].data() + segment.begin,
-                         segment.count,
-                         {g.nx, g.ny, g.nz},
-                         {g.sx, g.sy, g.sz},
-                         g.length,
-                         g.rate,
-                         g.speed,
-                         {},
-                         {},
-                         {}};
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (!*group.laws()[k]) continue;
-      answers.tension[k] = scratch.answers.force[k];
-      answers.by_length[k] = scratch.answers.by_q[k];
-      answers.by_rate[k] = scratch.answers.by_rate[k];
-    }
-    if (!linear_kernels_.write_axial(answers, values_.data()->number, by_length_.data()) &&
-        !is_finite_where_it_matters(answers, constrained))
-      return false;
-  }
-  return true;
+  return segments_.for_each(index, time, nodes, place_of_slot_[index], [&](const AxialAnswers& answers) {
+    return linear_kernels_.write_axial(answers, values_.data()->number, by_length_.data()) ||
+           is_finite_where_it_matters(answers, constrained);
+  });
 }
 
 bool AxialSprings::is_finite_where_it_matters(const AxialAnswers& answers,

@@ -4,11 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "layers/evaluator.hpp"
+#include "layers/linear/axial_segments.hpp"
 #include "layers/linear/spring_kernels.hpp"
 #include "layers/linear/spring_order.hpp"
 #include "layers/springs/blocks.hpp"
@@ -19,7 +19,6 @@ class AxialSprings {
  public:
   // References must outlive it.
   AxialSprings(const Layout& layout, const Evaluator& evaluator);
-  ~AxialSprings();
 
   // Evaluates the laws of all springs at a state. False: one of them failed, or its answer is not finite, of a spring
   // that does not join two constrained nodes ([node] 1).
@@ -32,10 +31,9 @@ class AxialSprings {
   void subtract_product(const double* p, const double* v, double* y) const;
 
  private:
-  struct Scratch;
   void follow();
   [[nodiscard]] bool update_unit(std::size_t index, double time, const NodeArrays& nodes,
-                                 const std::vector<std::uint8_t>& constrained, Scratch& scratch);
+                                 const std::vector<std::uint8_t>& constrained);
   [[nodiscard]] bool is_finite_where_it_matters(const AxialAnswers& answers,
                                                 const std::vector<std::uint8_t>& constrained) const;
   // function(rows, nodes, whether they end in these nodes), units side by side.
@@ -46,9 +44,9 @@ class AxialSprings {
   const Evaluator& evaluator_;
   const SpringKernels& linear_kernels_;
   SpringOrder order_;
-  bool is_laid_out_ = false;                       // what follows is of that order
-  std::vector<std::unique_ptr<Scratch>> scratch_;  // [thread]
-  std::vector<std::size_t> begin_;                 // [unit][2] of its springs within, and of those that leave it
+  AxialSegments segments_;
+  bool is_laid_out_ = false;        // what follows is of that order
+  std::vector<std::size_t> begin_;  // [unit][2] of its springs within, and of those that leave it
   std::vector<std::vector<std::uint32_t>> place_of_slot_;        // [unit][slot]
   std::vector<std::uint32_t> place_;                             // [spring] one of its places
   std::vector<std::pair<std::uint32_t, std::uint32_t>> copies_;  // places of one spring: from, to

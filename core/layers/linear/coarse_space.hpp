@@ -22,8 +22,11 @@ class CoarseSpace {
   explicit CoarseSpace(InstructionSet set = InstructionSet::generic) : kernels_(spring_kernels_for(set)) {}
 
   // Whether it can be worth its price: nets of so many nodes, and so much stiffer than their masses. stiffness: the sum
-  // of the diagonal of S over that of the masses.
-  [[nodiscard]] static bool pays(std::size_t nodes, double stiffness) noexcept;
+  // of the diagonal of S over that of the masses. is_kept: it serves many systems, see follow(), and there are enough
+  // springs to make groups rigid.
+  [[nodiscard]] static bool pays(std::size_t nodes, double stiffness, bool is_kept) noexcept;
+  // Springs for each node from which on they make groups rigid.
+  static constexpr double rigid = 5.0;
 
   void clear() noexcept { is_ready_ = false; }
   [[nodiscard]] bool any() const noexcept { return is_ready_; }

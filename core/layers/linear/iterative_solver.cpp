@@ -62,7 +62,7 @@ void IterativeSolver::prepare_coarse(const BlockSystem& system, const std::array
     stiffness += block(system.own_block(k)).trace();
     inertia += 3.0 * system.mass()[k];
   }
-  if (!CoarseSpace::pays(nodes_, stiffness / inertia)) return;
+  if (!CoarseSpace::pays(nodes_, stiffness / inertia, false)) return;
   coarse_.begin(position, system.constrained());
   for (std::size_t k = 0; k < nodes_; ++k)
     for (std::uint32_t b = arrays.start[k]; b < arrays.start[k + 1]; ++b)

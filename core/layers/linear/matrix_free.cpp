@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Dense>
 
 #include "layers/block.hpp"
-#include "layers/law_pair.hpp"
 #include "layers/linear/bicgstab.hpp"
-#include "layers/springs/blocks.hpp"
 
 namespace springnet::layers {
 namespace {
@@ -24,8 +21,8 @@ constexpr std::size_t min_nodes = 300;
 constexpr std::size_t nodes_of_part = 256;
 // Springs from which on threads pay off.
 constexpr std::size_t multiplied_in_parallel = 8000;
-// In the unit of mass, so that products of numbers are finite in single precision, too.
-constexpr double greatest = 1e18, max_mass_ratio = 1e12;
+// In the unit of mass.
+constexpr double greatest = greatest_in_single, max_mass_ratio = 1e12;
 // Accuracy that single precision reaches in one go, and the reduction that refinement must bring.
 constexpr double single_accuracy = 1e-4, max_reduction = 0.1;
 
@@ -38,6 +35,7 @@ MatrixFree::MatrixFree(const Layout& layout, const Evaluator& evaluator, const s
       mass_(mass),
       constrained_(constrained),
       springs_(layout),
+      segments_(layout, evaluator),
       kernels_(spring_kernels_for(evaluator.instruction_set())),
       coarse_(evaluator.instruction_set()) {}
 
@@ -59,6 +57,7 @@ void MatrixFree::lay_out() {
   for (auto* values : {&own_scale_, &inverse_mass_, &mass_in_unit_}) values->assign(n, 0.0F);
   own_.assign(12 * n, 0.0);
   blocks_.assign(9 * n, 0.0);
+  spring_blocks_.resize(8 * n);
   inverse_.assign(12 * n, 0.0F);
   if (!springs_.follow() && is_laid_out_) return;
   is_laid_out_ = false;  // memory may run out below
@@ -74,22 +73,22 @@ void MatrixFree::lay_out() {
     first_part_.push_back(parts_.size());
   }
   sum_.resize(parts_.size());
-  stiffness_.clear();
+  of_unit_.clear();
   for (const SpringsOfUnit& unit : springs_.units()) {
-    stiffness_.push_back({std::vector<float>(4 * unit.within.second.size(), 0.0F),
-                          std::vector<float>(4 * unit.leaving.second.size(), 0.0F)});
+    const std::size_t within = unit.within.second.size();
+    of_unit_.push_back({std::vector<float>(4 * (within + unit.leaving.second.size()), 0.0F), within});
   }
   is_laid_out_ = true;
 }
 
 SpringRows MatrixFree::rows_within(std::size_t unit) const {
   const SpringsOfUnit::Part& part = springs_.units()[unit].within;
-  return {part.start.data(), part.second.data(), stiffness_[unit].within.data()};
+  return {part.start.data(), part.second.data(), of_unit_[unit].stiffness.data()};
 }
 
 SpringRows MatrixFree::rows_leaving(std::size_t unit) const {
   const SpringsOfUnit::Part& part = springs_.units()[unit].leaving;
-  return {part.start.data(), part.second.data(), stiffness_[unit].leaving.data()};
+  return {part.start.data(), part.second.data(), of_unit_[unit].stiffness.data() + 4 * of_unit_[unit].within};
 }
 
 bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalForces& external,
@@ -101,21 +100,25 @@ bool MatrixFree::prepare(double time, const NodeArrays& nodes, const ExternalFor
   for (std::size_t i = 0; i < used; ++i) vectors_[i].resize(4 * layout_.node_count());
   if (!set_own_blocks(time, nodes, external, weights)) return false;
   const auto units = static_cast<std::int64_t>(layout_.units().size());
-  std::vector<Sums> sums(layout_.units().size());
+  segments_.reserve();
+  std::vector<StiffnessSums> sums(layout_.units().size());
 #pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads()))
   for (std::int64_t u = 0; u < units; ++u) {
     const FlushDenormals flush;
     sums[static_cast<std::size_t>(u)] = linearise_unit(static_cast<std::size_t>(u), time, nodes, weights);
   }
-  for (std::size_t u = 0; u < stiffness_.size(); ++u) take_incoming(u);
   double asymmetric = 0.0, all = 0.0;
-  for (const Sums& unit : sums) {
+  for (const StiffnessSums& unit : sums) {
     if (!unit.fits) return false;
     asymmetric += unit.asymmetric;
     all += unit.all;
   }
   asymmetry_ = all > 0.0 ? std::sqrt(asymmetric / all) : 0.0;
-  if (!invert_blocks()) return false;
+  for (std::size_t u = 0; u < of_unit_.size(); ++u) take_incoming(u);
+  bool inverted = true;
+#pragma omp parallel for schedule(static) num_threads(static_cast <int>(evaluator_.threads())) reduction(&& : inverted)
+  for (std::int64_t u = 0; u < units; ++u) inverted = invert_blocks(static_cast<std::size_t>(u)) && inverted;
+  if (!inverted) return false;
   prepare_coarse(nodes, weights);
   return add_responses();
 }
@@ -147,8 +150,23 @@ void MatrixFree::set_inverse(std::size_t node, const Eigen::Matrix3d& inverse) {
       inverse_[12 * node + static_cast<std::size_t>(4 * c + r)] = static_cast<float>(inverse(r, c));
 }
 
-bool MatrixFree::invert_blocks() {
-  for (std::size_t k = 0; k < layout_.node_count(); ++k) {
+bool MatrixFree::invert_blocks(std::size_t index) {
+  const FlushDenormals flush;
+  const Unit& unit = layout_.units()[index];
+  const NodeRange nodes{unit.first_node, std::size_t{unit.first_node} + unit.node_count};
+  std::fill(spring_blocks_.begin() + static_cast<std::ptrdiff_t>(8 * nodes.begin),
+            spring_blocks_.begin() + static_cast<std::ptrdiff_t>(8 * nodes.end), 0.0);
+  kernels_.add_blocks(rows_within(index), nodes, true, spring_blocks_.data());
+  kernels_.add_blocks(rows_leaving(index), nodes, false, spring_blocks_.data());
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    const double* const of_springs = &spring_blocks_[8 * k];
+    double* const block = &blocks_[9 * k];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t next = (c + 1) % 3;
+      block[4 * c] += of_springs[c];
+      block[3 * c + next] += of_springs[4 + c];
+      block[3 * next + c] += of_springs[4 + c];
+    }
     if (constrained_[k] != 0) continue;
     mass_in_unit_[k] = static_cast<float>(mass_[k] / unit_);
     inverse_mass_[k] = static_cast<float>(unit_ / mass_[k]);
@@ -184,13 +202,15 @@ void MatrixFree::make_coarse(const std::array<const double*, 3>& position) {
   coarse_.clear();
   coarse_unit_ = unit_;
   const std::size_t n = layout_.node_count();
-  double stiffness = 0.0, inertia = 0.0;
+  double stiffness = 0.0, inertia = 0.0, moving = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     if (constrained_[k] != 0) continue;
+    moving += 1.0;
     stiffness += blocks_[9 * k] + blocks_[9 * k + 4] + blocks_[9 * k + 8];
     inertia += own_[12 * k] + own_[12 * k + 5] + own_[12 * k + 10];
   }
-  if (!CoarseSpace::pays(n, stiffness / inertia)) return;
+  const bool is_rigid = static_cast<double>(layout_.live_count()) >= CoarseSpace::rigid * moving;
+  if (!CoarseSpace::pays(n, stiffness / inertia, is_rigid)) return;
   coarse_.begin(position, constrained_);
   for (std::size_t k = 0; k < n; ++k) {
     if (constrained_[k] != 0) continue;
@@ -275,87 +295,39 @@ bool MatrixFree::set_own_blocks(double time, const NodeArrays& nodes, const Exte
   return true;
 }
 
-MatrixFree::Sums MatrixFree::linearise_unit(std::size_t index, double time, const NodeArrays& nodes,
-                                            const SystemWeights& weights) {
-  const Unit& unit = layout_.units()[index];
-  const SpringsOfUnit& own = springs_.units()[index];
-  const Kernels& kernels = kernels_for(evaluator_.instruction_set());
-  const auto geometry = std::make_unique<SegmentGeometry>();
-  const auto answers = std::make_unique<PairAnswers<max_segment>>();
-  const PairOutputs out = answers->outputs(true, false);
-  Sums sums;
-  springnet_message message{};
-  for (const Segment& segment : unit.segments) {
-    if (segment.dead == segment.count) continue;
-    const Group& group = layout_.laws().groups[segment.group];
-    const SegmentSprings springs = unit.springs_of(segment);
-    kernels.lengths_and_rates(springs, nodes, *geometry);
-    kernels.relative_speeds(springs, nodes, *geometry);
-    if (Unit::is_unsettled(segment)) {
-      kernels.settle_dead(springs, segment.living, *geometry);
-      kernels.settle_dead_speeds(springs, segment.living, *geometry);
-    }
-    const SegmentColumns columns(unit, segment, group);
-    const RowSelection rows =
-        segment.row == mixed_rows ? RowSelection{nullptr, 0, columns.data()} : RowSelection{nullptr, segment.row};
-    const LawBatch batch{group,
-                         segment.count,
-                         rows,
-                         geometry->length,
-                         geometry->rate,
-                         geometry->speed,
-                         {layout_.internal(), segment.group, nodes, unit.internal_of(segment)},
-                         nullptr,
-                         {CalledMembers::Are::springs, segment.count, 1, unit.spring.data() + segment.begin}};
-    if (evaluate_laws(batch, evaluator_.instruction_set(), time, out, message) != SPRINGNET_OK) {
-      sums.fits = false;
-      return sums;
-    }
-    for (std::size_t i = 0; i < segment.count; ++i) {
-      const std::size_t slot = segment.begin + i;
-      if (unit.spring[slot] == no_spring) continue;
-      const auto [node, other] = springs_.ends_in(index, segment, unit.spring[slot]);
-      const bool is_within = other >= unit.first_node && other < unit.end_node();
-      const SpringForces forces = spring_forces(group, *answers, i);
-      const double length = geometry->length[i], rate = geometry->rate[i], speed = geometry->speed[i];
-      const double a = length > 0.0 ? weights.position / unit_ * forces.tension / length : 0.0;
-      const double along = weights.position / unit_ * forces.by_length + weights.velocity / unit_ * forces.by_rate - a;
-      std::vector<float>& part = is_within ? stiffness_[index].within : stiffness_[index].leaving;
-      float* const stiffness = &part[4 * std::size_t{own.place[slot]}];
-      std::fill_n(stiffness, 4, 0.0F);
-      // A spring that softens, or a stiffness that is not finite in single precision.
-      if (!(along >= 0.0) || !(std::abs(a) <= greatest && along <= greatest)) {
-        if (constrained_[node] != 0 && constrained_[other] != 0) continue;
-        sums.fits = false;
-        return sums;
-      }
-      const double root = std::sqrt(along);
-      const double q[3] = {root * geometry->nx[i], root * geometry->ny[i], root * geometry->nz[i]};
-      for (std::size_t c = 0; c < 3; ++c) stiffness[c] = static_cast<float>(q[c]);
-      stiffness[3] = static_cast<float>(a);
-      add_block(node, a, q);
-      if (is_within) add_block(other, a, q);
-      if (length > 0.0) {
-        const double skew = weights.position / unit_ * forces.by_rate / length;
-        sums.asymmetric += 2.0 * skew * skew * std::max(0.0, speed * speed - rate * rate);
-      }
-      sums.all += 2.0 * a * a + (a + along) * (a + along);
-    }
-  }
+StiffnessSums MatrixFree::linearise_unit(std::size_t index, double time, const NodeArrays& nodes,
+                                         const SystemWeights& weights) {
+  StiffnessSums sums;
+  float* const stiffness = of_unit_[index].stiffness.data();
+  sums.fits = segments_.for_each(index, time, nodes, springs_.units()[index].place, [&](const AxialAnswers& answers) {
+    const StiffnessSums own =
+        kernels_.write_stiffness(answers, weights.position / unit_, weights.velocity / unit_, stiffness);
+    sums.asymmetric += own.asymmetric;
+    sums.all += own.all;
+    return own.fits || fits_where_it_matters(answers, stiffness);
+  });
   return sums;
 }
 
-void MatrixFree::add_block(std::size_t node, double a, const double (&q)[3]) {
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t r = 0; r < 3; ++r) blocks_[9 * node + 3 * c + r] += (r == c ? a : 0.0) + q[r] * q[c];
+bool MatrixFree::fits_where_it_matters(const AxialAnswers& answers, float* stiffness) const {
+  for (std::size_t i = 0; i < answers.count; ++i) {
+    const std::uint32_t spring = answers.spring[i];
+    if (spring == no_spring) continue;
+    float* const own = stiffness + 4 * std::size_t{answers.place[i]};
+    if (!std::isnan(own[0])) continue;
+    if (constrained_[layout_.first(spring)] == 0 || constrained_[layout_.second(spring)] == 0) return false;
+    std::fill_n(own, 4, 0.0F);
+  }
+  return true;
 }
 
-// Springs that the unit before has linearised. Blocks only precondition, in single precision.
+// Springs that the unit before has linearised.
 void MatrixFree::take_incoming(std::size_t unit) {
+  Springs& own = of_unit_[unit];
   for (const SpringsOfUnit::Incoming& spring : springs_.units()[unit].incoming) {
-    const float* const from = &stiffness_[unit - 1].leaving[4 * std::size_t{spring.from}];
-    std::copy_n(from, 4, &stiffness_[unit].leaving[4 * std::size_t{spring.place}]);
-    add_block(spring.node, from[3], {from[0], from[1], from[2]});
+    const Springs& before = of_unit_[unit - 1];
+    std::copy_n(&before.stiffness[4 * (before.within + spring.from)], 4,
+                &own.stiffness[4 * (own.within + spring.place)]);
   }
 }
 

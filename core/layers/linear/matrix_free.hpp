@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "layers/evaluator.hpp"
+#include "layers/linear/axial_segments.hpp"
 #include "layers/linear/block_system.hpp"
 #include "layers/linear/coarse_space.hpp"
 #include "layers/linear/coarse_use.hpp"
@@ -71,25 +72,22 @@ class MatrixFree {
   [[nodiscard]] bool is_late(const Team& team, std::uint32_t iterations) { return interruption_(team, iterations); }
 
  private:
-  // Of the springs of a unit, as SpringsOfUnit has them: [spring][4].
-  struct Stiffness {
-    std::vector<float> within, leaving;
-  };
-  struct Sums {
-    double asymmetric = 0.0, all = 0.0;
-    bool fits = true;
+  // Of the springs of a unit, those within before those that leave: [spring][4].
+  struct Springs {
+    std::vector<float> stiffness;
+    std::size_t within = 0;  // how many
   };
   void lay_out();
   [[nodiscard]] SpringRows rows_within(std::size_t unit) const;
   [[nodiscard]] SpringRows rows_leaving(std::size_t unit) const;
-  void add_block(std::size_t node, double a, const double (&q)[3]);
   void take_incoming(std::size_t unit);
   // Keeps that of an earlier system while it serves.
   void prepare_coarse(const NodeArrays& nodes, const SystemWeights& weights);
   void make_coarse(const std::array<const double*, 3>& position);
   // Adds the coarse correction to z = D r; answers r times it.
   double correct(Team& team, const float* r, float* z);
-  [[nodiscard]] bool invert_blocks();
+  // Of a unit's nodes: blocks_ with their springs', and their inverses. False: one is not positive definite.
+  [[nodiscard]] bool invert_blocks(std::size_t unit);
   void set_inverse(std::size_t node, const Eigen::Matrix3d& inverse);
   // The responses' parts of own_, blocks_ and inverses. False: one has none.
   [[nodiscard]] bool add_responses();
@@ -102,7 +100,9 @@ class MatrixFree {
   // residual_ = right_side_ - S solution_; answers its norm.
   double find_residual(Team& team);
   [[nodiscard]] double norm(Team& team, const double* residual);
-  Sums linearise_unit(std::size_t unit, double time, const NodeArrays& nodes, const SystemWeights& weights);
+  StiffnessSums linearise_unit(std::size_t unit, double time, const NodeArrays& nodes, const SystemWeights& weights);
+  // Whether springs that do not fit all join nodes that do not move; they are left out then.
+  [[nodiscard]] bool fits_where_it_matters(const AxialAnswers& answers, float* stiffness) const;
   [[nodiscard]] bool set_own_blocks(double time, const NodeArrays& nodes, const ExternalForces& external,
                                     const SystemWeights& weights);
   // The calling thread's units, their parts and their nodes.
@@ -115,14 +115,16 @@ class MatrixFree {
   const std::vector<double>& mass_;
   const std::vector<std::uint8_t>& constrained_;
   SpringOrder springs_;
+  AxialSegments segments_;
   bool is_laid_out_ = false;  // what depends on that order
   const SpringKernels& kernels_;
-  std::vector<Stiffness> stiffness_;     // [unit]
+  std::vector<Springs> of_unit_;         // [unit]
   std::vector<NodeRange> parts_;         // of sums
   std::vector<std::size_t> first_part_;  // [unit + 1]
   double unit_ = 1.0;                    // kg: the system is that in this unit of mass
   std::vector<double> own_;              // [node][3][4] columns of their own blocks
   std::vector<double> blocks_;           // [node][3][3], with the springs'
+  std::vector<double> spring_blocks_;    // [node][8] of these, see SpringKernels::add_blocks
   std::vector<float> inverse_;           // [node][3][4] columns
   bool isotropic_ = false;               // own_ are multiples of the identity:
   std::vector<float> own_scale_;         // [node]

@@ -42,6 +42,16 @@ struct AxialAnswers {
   const double *tension[2], *by_length[2], *by_rate[2];
 };
 
+// Of the springs that were written: by their sum, squares of what is not symmetric in a system, and of all; whether
+// none softens, and all numbers are ones that single precision has.
+struct StiffnessSums {
+  double asymmetric = 0.0, all = 0.0;
+  bool fits = true;
+};
+
+// In units of the system, see StiffnessSums: so that products of such numbers are finite in single precision, too.
+inline constexpr double greatest_in_single = 1e18;
+
 // All answer sums over some nodes.
 struct SpringKernels {
   // y += B (x_first - x_second) for the first ends of the springs of some nodes, minus that for the second ends if
@@ -56,6 +66,13 @@ struct SpringKernels {
                            double* y);
   // Writes derivatives of springs where they lie (AxialRows). Answers whether all of them are finite.
   bool (*write_axial)(const AxialAnswers& answers, double* values, double* by_length);
+  // Writes a I + q q^T = position_weight K + velocity_weight D, without the part T_u n w^T, of springs where they lie
+  // (SpringRows); not a number of those that do not fit.
+  StiffnessSums (*write_stiffness)(const AxialAnswers& answers, double position_weight, double velocity_weight,
+                                   float* stiffness);
+  // Adds a I + q q^T of the springs of some nodes to the blocks of their first ends, and of their second ends if
+  // `to_second`: [node][8] xx, yy, zz, 0, xy, yz, zx, 0.
+  void (*add_blocks)(const SpringRows& springs, NodeRange nodes, bool to_second, double* blocks);
   // Of nodes with scales ([node][3], the second and third of which count by their weights): x = first scale times w, y
   // = the others times w; w has x of all nodes first, `count` of them.
   void (*spread)(const double* scales, double second_weight, double third_weight, std::size_t count, const double* w,

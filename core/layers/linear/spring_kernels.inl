@@ -273,6 +273,96 @@ bool write_axial(const AxialAnswers& answers, double* values, double* by_length)
   return left == 0.0;
 }
 
+StiffnessSums write_stiffness(const AxialAnswers& answers, double position_weight, double velocity_weight,
+                              float* stiffness) {
+  constexpr std::size_t chunk = 64;
+  double share[chunk], along[chunk], root[chunk], skew[chunk];
+  StiffnessSums sums;
+  for (std::size_t begin = 0; begin < answers.count; begin += chunk) {
+    const std::size_t count = answers.count - begin < chunk ? answers.count - begin : chunk;
+    const double *const RESTRICT length = answers.length + begin, *const RESTRICT rate = answers.rate + begin,
+                                 *const RESTRICT speed = answers.speed + begin;
+    for (std::size_t i = 0; i < count; ++i) share[i] = along[i] = skew[i] = 0.0;
+    for (std::size_t law = 0; law < 2; ++law) {
+      if (answers.tension[law] == nullptr) continue;
+      const double *const RESTRICT
+          tension = answers.tension[law] + begin,
+          *const RESTRICT by_l = answers.by_length[law] + begin, *const RESTRICT by_u = answers.by_rate[law] + begin;
+      for (std::size_t i = 0; i < count; ++i) {
+        share[i] += position_weight * tension[i];
+        along[i] += position_weight * by_l[i] + velocity_weight * by_u[i];
+        skew[i] += position_weight * by_u[i];
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const double across = speed[i] * speed[i] - rate[i] * rate[i];
+      const double a = length[i] > 0.0 ? share[i] / length[i] : 0.0;
+      const double turned = length[i] > 0.0 ? skew[i] / length[i] : 0.0;
+      share[i] = a;
+      along[i] -= a;
+      root[i] = __builtin_sqrt(along[i] > 0.0 ? along[i] : 0.0);
+      skew[i] = 2.0 * turned * turned * (across > 0.0 ? across : 0.0);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (answers.spring[begin + i] == no_spring) continue;
+      float* const to = stiffness + 4 * std::size_t{answers.place[begin + i]};
+      const double a = share[i];
+      const bool fits = along[i] >= 0.0 && along[i] <= greatest_in_single && __builtin_fabs(a) <= greatest_in_single;
+      if (!fits) {
+        sums.fits = false;
+        store(FourFloats{} + __builtin_nanf(""), to);
+        continue;
+      }
+      const FourDoubles all{root[i] * answers.normal[0][begin + i], root[i] * answers.normal[1][begin + i],
+                            root[i] * answers.normal[2][begin + i], a};
+      store(__builtin_convertvector(all, FourFloats), to);
+      sums.asymmetric += skew[i];
+      sums.all += 2.0 * a * a + (a + along[i]) * (a + along[i]);
+    }
+  }
+  return sums;
+}
+
+template <bool to_second>
+[[gnu::always_inline]] inline void add_blocks_of(const SpringRows& rows, NodeRange nodes, double* blocks) {
+  const SpringRows springs = rows;
+  for (std::size_t k = nodes.begin; k < nodes.end; ++k) {
+    const std::size_t begin = springs.start[k - nodes.begin], end = springs.start[k - nodes.begin + 1];
+    if (begin == end) continue;
+    FourDoubles diagonal{}, beside{}, there;
+    for (std::size_t i = begin; i < end; ++i) {
+      FourDoubles q;
+      load(springs.stiffness + 4 * i, q);
+      const double a = q[3];
+      const FourDoubles squares = q * q + a, products = q * __builtin_shufflevector(q, q, 1, 2, 0, 3);
+      diagonal += squares;
+      beside += products;
+      if constexpr (to_second) {
+        double* const other = blocks + 8 * std::size_t{springs.second[i]};
+        load(other, there);
+        there += squares;
+        store(there, other);
+        load(other + 4, there);
+        there += products;
+        store(there, other + 4);
+      }
+    }
+    load(blocks + 8 * k, there);
+    there += diagonal;
+    store(there, blocks + 8 * k);
+    load(blocks + 8 * k + 4, there);
+    there += beside;
+    store(there, blocks + 8 * k + 4);
+  }
+}
+
+void add_blocks(const SpringRows& springs, NodeRange nodes, bool to_second, double* blocks) {
+  if (to_second)
+    add_blocks_of<true>(springs, nodes, blocks);
+  else
+    add_blocks_of<false>(springs, nodes, blocks);
+}
+
 // Four nodes at a time: rows of a square are numbers of four nodes, columns those of one.
 [[gnu::always_inline]] inline void transpose(FourDoubles (&rows)[4]) {
   const FourDoubles a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6),
@@ -423,22 +513,12 @@ void substitute(const float* lower, const float* upper, const float* inverse, st
 }  // namespace
 
 const SpringKernels& spring_kernels() {
-  static constexpr SpringKernels table{product,
-                                       product_double,
-                                       subtract_transposed,
-                                       subtract_product,
-                                       write_axial,
-                                       spread_scaled,
-                                       gather,
-                                       diagonal,
-                                       diagonal_double,
-                                       dot,
-                                       square,
-                                       add_and_dot,
-                                       add,
-                                       scale_add,
-                                       advance,
-                                       substitute};
+  static constexpr SpringKernels table{product,          product_double,  subtract_transposed,
+                                       subtract_product, write_axial,     write_stiffness,
+                                       add_blocks,       spread_scaled,   gather,
+                                       diagonal,         diagonal_double, dot,
+                                       square,           add_and_dot,     add,
+                                       scale_add,        advance,         substitute};
   return table;
 }
 

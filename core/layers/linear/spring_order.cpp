@@ -46,10 +46,11 @@ bool SpringOrder::follow() {
       [&](std::size_t u, Part& part, std::uint32_t own, std::uint32_t other, std::uint32_t slot, std::size_t of) {
         std::uint32_t& place = next[2 * u + (&part == &units_[u].leaving ? 1 : 0)][own - units[u].first_node];
         part.second[place] = other;
+        const auto within = static_cast<std::uint32_t>(units_[of].within.second.size());
         if (of == u)
-          units_[u].place[slot] = place;
+          units_[u].place[slot] = place + (&part == &units_[u].leaving ? within : 0);
         else
-          units_[u].incoming.push_back({own, place, units_[of].place[slot]});
+          units_[u].incoming.push_back({own, place, units_[of].place[slot] - within});
         ++place;
       });
   laid_out_ = layout_.revision();

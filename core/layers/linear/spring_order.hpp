@@ -22,7 +22,7 @@ struct SpringsOfUnit {
     std::uint32_t node, place, from;
   };
   Part within, leaving;
-  std::vector<std::uint32_t> place;  // [slot of the unit] in its part
+  std::vector<std::uint32_t> place;  // [slot of the unit] among those within, and after these those that leave
   std::vector<Incoming> incoming;
 };
 

@@ -56,11 +56,14 @@ class Newton final : public Rule {
   // Constrains the newest outputs, assessed in at_outputs_, and decides contacts. Does not change the state `before`.
   void settle(Step& step, const springnet_state* before);
   [[nodiscard]] bool waits_with_releases(const Step& step, const springnet_state* before) const;
-  // After the host moved nodes onto surfaces or off them, from the outputs to `next`: lets all others follow, as the
-  // derivatives at the outputs say, unless the residual is smaller without. Where nodes have moved alone a stiff net is
-  // deformed so much that derivatives there lead astray. False: the system could not be solved; `next` is unchanged.
-  // Else it is evaluated and assessed in at_outputs_. Does not change the state `before`.
-  [[nodiscard]] bool follow(Step& step, springnet_state& next, const springnet_state* before);
+  // After the host moved nodes onto surfaces or off them, from the outputs to `next`, which has been evaluated: whether
+  // that has increased the residual. Assesses `next` in at_outputs_.
+  [[nodiscard]] bool needs_to_follow(const Step& step, const springnet_state& next);
+  // Lets all others follow, as the derivatives at the outputs and kept_acceleration_ there say, unless the residual is
+  // smaller without. Where nodes have moved alone a stiff net is deformed so much that derivatives there lead astray.
+  // Evaluates `next`, and uses the outputs up. Does not change the state `before`.
+  void follow(Step& step, springnet_state& next, const springnet_state* before);
+  void keep_acceleration(std::size_t nodes);
   [[nodiscard]] bool solve_to_follow(const Step& step, springnet_state& next);
   void swap_plain(springnet_state& next);
   // Sets the constraint forces of nodes without rigid connections to those of these outputs, with the contacts as they
@@ -111,6 +114,7 @@ class Newton final : public Rule {
   Assessment at_outputs_, at_candidate_;
   std::vector<std::uint8_t> pinned_;            // [n] 1: held, fixed or prescribed
   std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
+  std::vector<std::uint8_t> was_free_;          // [n] 1: SPRINGNET_FREE, likewise
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
   std::vector<std::uint8_t> pushed_;            // [n] SPRINGNET_NEAR …, likewise; empty without bodies in contact
   std::vector<std::uint8_t> in_contact_;        // [cluster] 1: it has contact, or had in this step; also with bodies
@@ -134,11 +138,13 @@ class Newton final : public Rule {
   std::vector<double> uncorrected_, correction_;   // [3n] delta before restore(), and its correction
   std::vector<double> gap_, work_values_;          // [3n] (p* + w U - P) / w
   std::vector<double> plain_;                      // [6n] U, then P, of a state without following
+  std::vector<double> kept_acceleration_;          // [3n] without constraints, before the host moved nodes, m/s^2
   std::vector<std::uint32_t> contacts_;            // nodes in contact, held or sliding
   Columns contact_acceleration_;                   // [contacts] without constraints, m/s^2
   std::vector<double> inertia_;                    // [n][3][3] kg, effective mass for the host's corrections
   std::vector<double> by_velocity_, by_position_;  // [n][3][3], of contact_acceleration_
   std::uint64_t last_switch_ = 0;                  // sweep of the step that changed contacts
+  double norm_at_start_ = 0.0;                     // of the residual where the step started, kg^1/2 m/s
   double norm_at_change_ = 0.0;                    // of the residual, kg^1/2 m/s, after the last of these
   std::uint64_t contact_changes_ = 0;              // sweeps of the step that changed contacts
   std::uint64_t decisions_ = 0;  // settle() that left contacts open, or changed more than what goes on sliding

@@ -42,8 +42,22 @@ void Newton::refresh_friction(const Step& step, const springnet_state& state, co
   work_.host.constrain(call);
 }
 
-bool Newton::follow(Step& step, springnet_state& next, const springnet_state* before) {
-  if (!solve_to_follow(step, next)) return false;
+void Newton::keep_acceleration(std::size_t nodes) {
+  kept_acceleration_.resize(3 * nodes);
+  const ThreeConst a = axes(work_.unconstrained());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    std::copy_n(a[axis], nodes, kept_acceleration_.begin() + static_cast<std::ptrdiff_t>(axis * nodes));
+}
+
+bool Newton::needs_to_follow(const Step& step, const springnet_state& next) {
+  const double before = at_outputs_.norm;
+  linearised_ = false;  // of other contacts
+  assess(step, next, at_outputs_);
+  return at_outputs_.norm > std::max(before, norm_at_start_);
+}
+
+void Newton::follow(Step& step, springnet_state& next, const springnet_state* before) {
+  if (!solve_to_follow(step, next)) return;
   const auto assess_next = [&] {
     work_.evaluate(step, next);
     work_.free_accelerations(step);
@@ -55,11 +69,9 @@ bool Newton::follow(Step& step, springnet_state& next, const springnet_state* be
   const double plain = at_outputs_.norm;
   swap_plain(next);
   assess_next();
-  if (!(at_outputs_.norm < plain)) {
-    swap_plain(next);
-    assess_next();
-  }
-  return true;
+  if (at_outputs_.norm < plain) return;
+  swap_plain(next);
+  assess_next();
 }
 
 bool Newton::solve_to_follow(const Step& step, springnet_state& next) {
@@ -68,7 +80,7 @@ bool Newton::solve_to_follow(const Step& step, springnet_state& next) {
   const double w = step.weight();
   const Three u = axes(outputs.velocity), next_u = axes(next.velocity);
   const Three p = axes(outputs.position), next_p = axes(next.position);
-  const ThreeConst a = axes(work_.unconstrained()), v = axes(step.free_velocity), start = axes(step.free_position);
+  const ThreeConst v = axes(step.free_velocity), start = axes(step.free_position);
   // The residual without constraints, and what the moves of the others change of it.
   std::vector<double>&dp = work_values_, &du = uncorrected_;  // neither is in use between sweeps
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -90,7 +102,8 @@ bool Newton::solve_to_follow(const Step& step, springnet_state& next) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = axis * n + k;
-      right_side_[i] = pinned_[k] != 0 ? 0.0 : right_side_[i] - (next_u[axis][k] - v[axis][k] - w * a[axis][k]);
+      right_side_[i] =
+          pinned_[k] != 0 ? 0.0 : right_side_[i] - (next_u[axis][k] - v[axis][k] - w * kept_acceleration_[i]);
     }
   }
   system_.project(right_side_);

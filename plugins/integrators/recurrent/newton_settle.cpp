@@ -101,18 +101,22 @@ void Newton::settle(Step& step, const springnet_state* before) {
   const bool was_constrained = step.constrained();
   work_.host.constrain(call);
   was_pinned_ = pinned_;
+  was_free_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) was_free_[k] = status_[k] == SPRINGNET_FREE ? 1 : 0;
   const bool switched = find_pinned(step);
   for (const std::uint32_t k : contacts_) {
     // Separating nodes continue from where they were held: their free motion shows that they separate, not how far.
     // Chattering nodes stay too: where they touch depends on their free motion, a fixed point that may not converge.
+    // And what has separated in an earlier sweep goes on as the system has it.
     const bool separated = network.status[k] == SPRINGNET_FREE;
     const bool chatters = pinned_[k] != 0 && contact_changes_ >= patience;
+    const bool is_held = was_pinned_[k] != 0;
     // Those that bodies push are where both have them.
     const bool is_lone = network.cluster[k] == no_node && !step.is_pushed(k);
-    if (was_pinned_[k] == 0 || !is_lone || !(separated || chatters)) continue;
+    if (!is_lone || !(is_held ? separated || chatters : separated && was_free_[k] != 0)) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       next_u[axis][k] = u[axis][k];
-      next_p[axis][k] = p[axis][k];
+      next_p[axis][k] = is_held ? p[axis][k] : start[axis][k] + step.weight() * u[axis][k];
     }
   }
   Differing differing;
@@ -123,10 +127,10 @@ void Newton::settle(Step& step, const springnet_state* before) {
   if (changed) {
     const bool may_follow =
         switched && network.rigid_count == 0 && before != nullptr && std::isfinite(at_outputs_.norm);
-    if (!may_follow || !follow(step, next, before)) {
-      work_.evaluate(step, next);
-      work_.free_accelerations(step);
-    }
+    if (may_follow) keep_acceleration(n);
+    work_.evaluate(step, next);
+    work_.free_accelerations(step);
+    if (may_follow && needs_to_follow(step, next)) follow(step, next, before);
     step.outputs = &next;
   }
   if (network.rigid_count > 0) linearise(step);

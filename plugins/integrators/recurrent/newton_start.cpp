@@ -37,7 +37,8 @@ void Newton::begin(Step& step) {
   }
 }
 
-// Puts nodes that move freely where earlier steps lead. False: there is no guess, and outputs are those of the start.
+// Puts nodes that move freely, or slide, where earlier steps lead. False: there is no guess, and outputs are those of
+// the start.
 bool Newton::start_from_guess(Step& step) {
   const springnet_network& network = step.network;
   springnet_state& outputs = work_.outputs_in_place(step);
@@ -46,7 +47,9 @@ bool Newton::start_from_guess(Step& step) {
   const Three u = axes(outputs.velocity), p = axes(outputs.position);
   const ThreeConst v = axes(sdk::view(step.start.velocity)), start = axes(step.free_position);
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
-    const bool is_free = pinned_[k] == 0 && !is_partly_constrained(step, k);
+    // What slides goes on sliding: settle() keeps it on its surface.
+    const bool slides = network.status[k] == SPRINGNET_SLIDING && network.cluster[k] == no_node && !step.is_pushed(k);
+    const bool is_free = pinned_[k] == 0 && (slides || !is_partly_constrained(step, k));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (is_free)
         p[axis][k] = start[axis][k] + w * u[axis][k];
@@ -79,6 +82,7 @@ void Newton::start(Step& step) {
   if (step.constrained()) work_.free_accelerations(step);
   assess(step, outputs, at_outputs_);
   if (step.constrained()) settle(step, nullptr);
+  norm_at_start_ = at_outputs_.norm;
 }
 
 // The careful way, after a guess that led astray: from the state at the start of the step.
