@@ -114,7 +114,6 @@ class Newton final : public Rule {
   Assessment at_outputs_, at_candidate_;
   std::vector<std::uint8_t> pinned_;            // [n] 1: held, fixed or prescribed
   std::vector<std::uint8_t> was_pinned_;        // [n] pinned_ before the host's last decision
-  std::vector<std::uint8_t> was_free_;          // [n] 1: SPRINGNET_FREE, likewise
   std::vector<std::uint8_t> status_;            // [n] SPRINGNET_FREE …, likewise
   std::vector<std::uint8_t> pushed_;            // [n] SPRINGNET_NEAR …, likewise; empty without bodies in contact
   std::vector<std::uint8_t> in_contact_;        // [cluster] 1: it has contact, or had in this step; also with bodies

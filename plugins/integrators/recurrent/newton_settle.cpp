@@ -101,22 +101,18 @@ void Newton::settle(Step& step, const springnet_state* before) {
   const bool was_constrained = step.constrained();
   work_.host.constrain(call);
   was_pinned_ = pinned_;
-  was_free_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) was_free_[k] = status_[k] == SPRINGNET_FREE ? 1 : 0;
   const bool switched = find_pinned(step);
   for (const std::uint32_t k : contacts_) {
     // Separating nodes continue from where they were held: their free motion shows that they separate, not how far.
     // Chattering nodes stay too: where they touch depends on their free motion, a fixed point that may not converge.
-    // And what has separated in an earlier sweep goes on as the system has it.
     const bool separated = network.status[k] == SPRINGNET_FREE;
     const bool chatters = pinned_[k] != 0 && contact_changes_ >= patience;
-    const bool is_held = was_pinned_[k] != 0;
     // Those that bodies push are where both have them.
     const bool is_lone = network.cluster[k] == no_node && !step.is_pushed(k);
-    if (!is_lone || !(is_held ? separated || chatters : separated && was_free_[k] != 0)) continue;
+    if (was_pinned_[k] == 0 || !is_lone || !(separated || chatters)) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       next_u[axis][k] = u[axis][k];
-      next_p[axis][k] = is_held ? p[axis][k] : start[axis][k] + step.weight() * u[axis][k];
+      next_p[axis][k] = p[axis][k];
     }
   }
   Differing differing;
@@ -132,6 +128,8 @@ void Newton::settle(Step& step, const springnet_state* before) {
     work_.free_accelerations(step);
     if (may_follow && needs_to_follow(step, next)) follow(step, next, before);
     step.outputs = &next;
+  } else if (switched) {
+    work_.free_accelerations(step);  // nothing holds those that have separated where they were
   }
   if (network.rigid_count > 0) linearise(step);
   if (switched || changed) ++contact_changes_;
@@ -188,7 +186,9 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     const bool slides = is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_contact(step, k));
-    if ((pinned_[k] != 0 || slides) && network.fixed[k] == 0) contacts_.push_back(k);
+    // What has left its surface goes as the system has it, which has settled the forces of all nodes at once.
+    const bool has_left = network.status[k] == SPRINGNET_FREE && network.cluster[k] == no_node && !step.is_pushed(k);
+    if ((pinned_[k] != 0 || (slides && !has_left)) && network.fixed[k] == 0) contacts_.push_back(k);
   }
   if (contacts_.empty()) return;
   springnet_evaluation evaluation = step.evaluation_at_end(outputs);

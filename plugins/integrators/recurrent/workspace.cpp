@@ -132,8 +132,7 @@ void Workspace::find_free_accelerations(const Step& step) {
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     const std::uint8_t status = network.status[k];
     pinned_[k] = status == SPRINGNET_PRESCRIBED || status == SPRINGNET_STICKING ? 1 : 0;
-    const bool is_free = status == SPRINGNET_SLIDING || (pinned_[k] == 0 && network.cluster[k] != no_node);
-    for (std::size_t axis = 0; axis < 3; ++axis) free[axis][k] = is_free ? unbound[axis][k] : bound[axis][k];
+    for (std::size_t axis = 0; axis < 3; ++axis) free[axis][k] = pinned_[k] == 0 ? unbound[axis][k] : bound[axis][k];
   }
 }
 
