@@ -17,6 +17,8 @@ namespace {
 constexpr std::uint8_t max_changes = 8;
 // In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
+// Likewise: a node that no sliding keeps out of its surface may be this far behind it.
+constexpr double hardly = 1e-4;
 
 void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& force) {
   if (sweep.constraint_force.x != nullptr) put_vector(sweep.constraint_force, node, force);
@@ -267,6 +269,13 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   if (meeting.surface >= 0 && is_separating(at, meeting.surface, path)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
   const bool stays_active = record_decision(node, meeting.surface >= 0);
+  // The friction of what slides may press it down faster than the reaction lifts it (Painlevé): it is behind the
+  // surface without contact, and pulled with it.
+  if (stays_active && meeting.surface >= 0 && arrives(node, meeting.surface) &&
+      obstacles_[static_cast<std::size_t>(meeting.surface)].friction().kind == Friction::Kind::coulomb &&
+      gap(at, static_cast<std::size_t>(meeting.surface), candidate.position) >=
+          -hardly * (candidate.position - candidate.start).norm())
+    meeting.surface = -1;
   // Where nodes arrive, whether one meets the surface does not hang on how it is stopped there.
   const bool chatter_holds = stays_active && (holds(last_surface_[node]) || !arrives(node, last_surface_[node]));
   if (meeting.surface < 0 && !chatter_holds) {

@@ -200,3 +200,29 @@ TEST_CASE("a shaken oscillator slips and sticks again and again in steps") {
   REQUIRE(truth.reference.events().size() > 4);
   check_steps(truth, 0.002, 1.0, 100.0, 100.0);
 }
+
+// A stiff rod that leans back drags its foot over the floor: friction pulls the foot under it, and presses it down by
+// mu cos sin - sin^2 of what a reaction would lift it. No step ends with the foot sliding, nor clear of the floor,
+// which it reaches by a millionth of its path.
+TEST_CASE("a foot that friction presses down goes on where it would hardly enter the floor") {
+  for (const double rule : {block, coloured, newton}) {
+    for (const double theta : {1.0, 0.5}) {
+      CAPTURE(rule);
+      CAPTURE(theta);
+      constexpr double h = 0.01, speed = 1.0, height = 2e-3, entered = 1e-6 * speed * h;
+      const Vector3 velocity(speed, 0.0, -(height + entered) / h);
+      Network net;
+      net.add_node(point({0.0, 0.0, height}, 1e-3, velocity));
+      net.add_node(point({-0.2, 0.0, 0.98 + height}, 1e3, velocity));
+      net.add_spring(0, 1, net.add_material(damped(1e5, 0.0)));
+      Plane floor;
+      floor.friction = {Friction::Kind::coulomb, 0.5};
+      net.add_plane(floor);
+      Simulation s = simulate(net, recurrent(rule, 1e-9, {{"theta", theta}}), h);
+      const double energy = s.kinetic_energy();
+      s.step();
+      CHECK(s.position(0).z() >= -1e-4 * speed * h);
+      CHECK(s.kinetic_energy() + s.potential_energy() <= energy * (1.0 + 1e-9));
+    }
+  }
+}
