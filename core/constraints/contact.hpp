@@ -246,6 +246,8 @@ class Contact {
   // Keeps the committed contact unless a surface would have to pull. True: kept, outputs are set.
   [[nodiscard]] bool try_to_keep(const Within& within, std::uint32_t node, const Candidate& candidate);
   void meet(const Within& within, std::uint32_t node, const Candidate& candidate);
+  // Whether a node that has chattered stays free, though it meets this surface (-1: none).
+  [[nodiscard]] bool is_left_free(const Within& within, const Candidate& candidate, std::int32_t surface) const;
   // read: as of constrain().
   [[nodiscard]] Candidate candidate_of(const Within& within, std::uint32_t node, const Vector3* read) const;
   // The contact of a node on one surface, which sticks if its slip has turned round.

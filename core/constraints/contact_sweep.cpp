@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint8_t max_changes = 8;
 // In units of the path length: a node that slides along a second surface may be this far behind it by rounding.
 constexpr double beside = 1e-9;
-// Likewise: a node that no sliding keeps out of its surface may be this far behind it.
-constexpr double hardly = 1e-4;
+// Depth to which a node that has chattered is left free, likewise.
+constexpr double shallow = 1e-4;
 
 void put_force(const springnet_sweep& sweep, std::uint32_t node, const Vector3& force) {
   if (sweep.constraint_force.x != nullptr) put_vector(sweep.constraint_force, node, force);
@@ -260,6 +260,18 @@ bool Contact::is_separating(const Placement& at, std::int32_t surface, const Pat
          before.dot(path.start_velocity - Contact::velocity(*start_, j, path.start)) >= 0.0;
 }
 
+// Painlevé: friction may press a sliding node down faster than its reaction lifts it. Then neither state fits: free, it
+// penetrates a plane; in contact, the plane would have to pull. What is free then stays so where it is shallow.
+bool Contact::is_left_free(const Within& within, const Candidate& candidate, std::int32_t surface) const {
+  const std::uint32_t node = candidate.node;
+  if (surface < 0 || now(node).surface >= 0 || !arrives(node, surface)) return false;
+  const auto j = static_cast<std::size_t>(surface);
+  const double path = (candidate.position - candidate.start).norm();
+  return obstacles_[j].is_flat() && obstacles_[j].friction().kind == Friction::Kind::coulomb &&
+         gap(within.at, j, candidate.position) >= -shallow * path &&
+         first_meeting(within.at, candidate.start, candidate.position, surface).surface < 0;
+}
+
 // A node that is free at the start of the step, or was released within it.
 void Contact::meet(const Within& within, std::uint32_t node, const Candidate& candidate) {
   const auto& [sweep, at] = within;
@@ -269,13 +281,7 @@ void Contact::meet(const Within& within, std::uint32_t node, const Candidate& ca
   if (meeting.surface >= 0 && is_separating(at, meeting.surface, path)) meeting.surface = -1;
   if (meeting.surface >= 0) last_surface_[node] = meeting.surface;
   const bool stays_active = record_decision(node, meeting.surface >= 0);
-  // The friction of what slides may press it down faster than the reaction lifts it (Painlevé): it is behind the
-  // surface without contact, and pulled with it.
-  if (stays_active && meeting.surface >= 0 && arrives(node, meeting.surface) &&
-      obstacles_[static_cast<std::size_t>(meeting.surface)].friction().kind == Friction::Kind::coulomb &&
-      gap(at, static_cast<std::size_t>(meeting.surface), candidate.position) >=
-          -hardly * (candidate.position - candidate.start).norm())
-    meeting.surface = -1;
+  if (stays_active && is_left_free(within, candidate, meeting.surface)) meeting.surface = -1;
   // Where nodes arrive, whether one meets the surface does not hang on how it is stopped there.
   const bool chatter_holds = stays_active && (holds(last_surface_[node]) || !arrives(node, last_surface_[node]));
   if (meeting.surface < 0 && !chatter_holds) {

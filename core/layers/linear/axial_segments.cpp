@@ -4,8 +4,6 @@
 
 namespace springnet::layers {
 
-AxialSegments::~AxialSegments() = default;
-
 void AxialSegments::reserve() {
   while (scratch_.size() < evaluator_.threads()) scratch_.push_back(std::make_unique<Scratch>());
 }

@@ -15,9 +15,6 @@ class AxialSegments {
  public:
   // References must outlive it.
   AxialSegments(const Layout& layout, const Evaluator& evaluator) : layout_(layout), evaluator_(evaluator) {}
-  ~AxialSegments();
-  AxialSegments(const AxialSegments&) = delete;
-  AxialSegments& operator=(const AxialSegments&) = delete;
 
   // Takes memory for all threads of the evaluator: an exception that left one would end the process.
   void reserve();

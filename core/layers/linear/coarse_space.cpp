@@ -20,7 +20,7 @@ constexpr std::size_t least_of_group = 24, most_halvings = 6;
 // Measured: kept for many systems, they take as long with groups as without at some 40 in lattices of 512 to 32768
 // nodes, and a third less at 180. Without diagonals, where groups are not rigid, and in cloth they do not help.
 constexpr std::size_t least_nodes = 300;
-constexpr double least_stiffness = 400.0, least_stiffness_if_kept = 40.0;
+constexpr double least_stiffness = 400.0, least_stiffness_of_many = 40.0;
 // Of a diagonal: groups in a line do not turn about it, and single precision must tell.
 constexpr double added = 1e-5;
 // Share of a spring's stiffness from which on what it has across its direction counts.
@@ -28,8 +28,8 @@ constexpr double least_across = 0.01;
 
 }  // namespace
 
-bool CoarseSpace::pays(std::size_t nodes, double stiffness, bool is_kept) noexcept {
-  return nodes >= least_nodes && stiffness >= (is_kept ? least_stiffness_if_kept : least_stiffness);
+bool CoarseSpace::pays(std::size_t nodes, double stiffness, bool serves_many) noexcept {
+  return nodes >= least_nodes && stiffness >= (serves_many ? least_stiffness_of_many : least_stiffness);
 }
 
 void CoarseSpace::begin(const std::array<const double*, 3>& position, const std::vector<std::uint8_t>& constrained) {

@@ -22,14 +22,16 @@ class CoarseSpace {
   explicit CoarseSpace(InstructionSet set = InstructionSet::generic) : kernels_(spring_kernels_for(set)) {}
 
   // Whether it can be worth its price: nets of so many nodes, and so much stiffer than their masses. stiffness: the sum
-  // of the diagonal of S over that of the masses. is_kept: it serves many systems, see follow(), and there are enough
-  // springs to make groups rigid.
-  [[nodiscard]] static bool pays(std::size_t nodes, double stiffness, bool is_kept) noexcept;
-  // Springs for each node from which on they make groups rigid.
+  // of the diagonal of S over that of the masses. serves_many: it is kept for systems to come, see follow(), and
+  // springs make its groups rigid.
+  [[nodiscard]] static bool pays(std::size_t nodes, double stiffness, bool serves_many) noexcept;
+  // Springs for each moving node, which then has twice as many neighbours on average, from which on they do that.
   static constexpr double rigid = 5.0;
 
   void clear() noexcept { is_ready_ = false; }
   [[nodiscard]] bool any() const noexcept { return is_ready_; }
+  // Of the small system.
+  [[nodiscard]] std::size_t numbers() const noexcept { return all_start_.empty() ? 0 : 6 * (all_start_.size() - 1); }
 
   // Divides the nodes that move into groups, where they are now: in two halves along the longer side, and so on. What
   // was added before is dropped. position: x, y, z, [node] m.

@@ -181,10 +181,13 @@ bool MatrixFree::invert_blocks(std::size_t index) {
 }
 
 void MatrixFree::prepare_coarse(const NodeArrays& nodes, const SystemWeights& weights) {
+  // Trials of other lengths, and shifts, would make it anew each time.
+  repeats_ = !last_weights_ || CoarseUse::are_same(weights, *last_weights_);
+  last_weights_ = weights;
   coarse_is_kept_ = coarse_.any() && unit_ == coarse_unit_ && coarse_use_.serves(weights);
   if (coarse_is_kept_) return coarse_.follow(constrained_);
   make_coarse({nodes.px, nodes.py, nodes.pz});
-  coarse_use_.begin(weights);
+  coarse_use_.begin(weights, layout_.live_count(), coarse_.numbers());
 }
 
 bool MatrixFree::renews(const std::array<const double*, 3>& position) {
@@ -210,7 +213,7 @@ void MatrixFree::make_coarse(const std::array<const double*, 3>& position) {
     inertia += own_[12 * k] + own_[12 * k + 5] + own_[12 * k + 10];
   }
   const bool is_rigid = static_cast<double>(layout_.live_count()) >= CoarseSpace::rigid * moving;
-  if (!CoarseSpace::pays(n, stiffness / inertia, is_rigid)) return;
+  if (!CoarseSpace::pays(n, stiffness / inertia, repeats_ && is_rigid)) return;
   coarse_.begin(position, constrained_);
   for (std::size_t k = 0; k < n; ++k) {
     if (constrained_[k] != 0) continue;

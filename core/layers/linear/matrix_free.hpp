@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "layers/evaluator.hpp"
@@ -134,6 +135,8 @@ class MatrixFree {
   double coarse_part_ = 0.0;
   CoarseUse coarse_use_;
   bool coarse_is_kept_ = false;
+  std::optional<SystemWeights> last_weights_;
+  bool repeats_ = true;              // the weights of the system before
   double coarse_unit_ = 0.0;         // kg, in which it is
   double velocity_weight_ = 0.0;     // s
   std::vector<float> mass_in_unit_;  // [node]

@@ -42,15 +42,15 @@ struct AxialAnswers {
   const double *tension[2], *by_length[2], *by_rate[2];
 };
 
-// Of the springs that were written: by their sum, squares of what is not symmetric in a system, and of all; whether
-// none softens, and all numbers are ones that single precision has.
+// Greatest number in single precision whose products are still finite.
+inline constexpr double greatest_in_single = 1e18;
+
+// Of springs: squared norms of the antisymmetric part and of the whole; whether none softens (its q would not be real),
+// and none exceeds greatest_in_single.
 struct StiffnessSums {
   double asymmetric = 0.0, all = 0.0;
   bool fits = true;
 };
-
-// In units of the system, see StiffnessSums: so that products of such numbers are finite in single precision, too.
-inline constexpr double greatest_in_single = 1e18;
 
 // All answer sums over some nodes.
 struct SpringKernels {
@@ -67,11 +67,11 @@ struct SpringKernels {
   // Writes derivatives of springs where they lie (AxialRows). Answers whether all of them are finite.
   bool (*write_axial)(const AxialAnswers& answers, double* values, double* by_length);
   // Writes a I + q q^T = position_weight K + velocity_weight D, without the part T_u n w^T, of springs where they lie
-  // (SpringRows); not a number of those that do not fit.
+  // (SpringRows); NaN for springs that do not fit, see StiffnessSums.
   StiffnessSums (*write_stiffness)(const AxialAnswers& answers, double position_weight, double velocity_weight,
                                    float* stiffness);
   // Adds a I + q q^T of the springs of some nodes to the blocks of their first ends, and of their second ends if
-  // `to_second`: [node][8] xx, yy, zz, 0, xy, yz, zx, 0.
+  // `to_second`: [node][8] xx, yy, zz, one of no meaning, xy, yz, zx, another.
   void (*add_blocks)(const SpringRows& springs, NodeRange nodes, bool to_second, double* blocks);
   // Of nodes with scales ([node][3], the second and third of which count by their weights): x = first scale times w, y
   // = the others times w; w has x of all nodes first, `count` of them.

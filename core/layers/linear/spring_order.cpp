@@ -50,7 +50,7 @@ bool SpringOrder::follow() {
         if (of == u)
           units_[u].place[slot] = place + (&part == &units_[u].leaving ? within : 0);
         else
-          units_[u].incoming.push_back({own, place, units_[of].place[slot] - within});
+          units_[u].incoming.push_back({place, units_[of].place[slot] - within});
         ++place;
       });
   laid_out_ = layout_.revision();

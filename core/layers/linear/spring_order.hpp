@@ -17,9 +17,9 @@ struct SpringsOfUnit {
   struct Part {
     std::vector<std::uint32_t> start, second;
   };
-  // A spring from the unit before to a node, its place in `leaving` of this unit and of that one.
+  // A spring from the unit before: its place in `leaving` of this unit and of that one.
   struct Incoming {
-    std::uint32_t node, place, from;
+    std::uint32_t place, from;
   };
   Part within, leaving;
   std::vector<std::uint32_t> place;  // [slot of the unit] among those within, and after these those that leave

@@ -57,11 +57,12 @@ class Newton final : public Rule {
   void settle(Step& step, const springnet_state* before);
   [[nodiscard]] bool waits_with_releases(const Step& step, const springnet_state* before) const;
   // After the host moved nodes onto surfaces or off them, from the outputs to `next`, which has been evaluated: whether
-  // that has increased the residual. Assesses `next` in at_outputs_.
+  // that has left a greater residual than there was before and at the start of the step, or contacts have changed often
+  // in it. Assesses `next` in at_outputs_, and drops the derivatives, which are of other contacts.
   [[nodiscard]] bool needs_to_follow(const Step& step, const springnet_state& next);
   // Lets all others follow, as the derivatives at the outputs and kept_acceleration_ there say, unless the residual is
   // smaller without. Where nodes have moved alone a stiff net is deformed so much that derivatives there lead astray.
-  // Evaluates `next`, and uses the outputs up. Does not change the state `before`.
+  // Evaluates and assesses `next`, and uses the outputs up. Does not change the state `before`.
   void follow(Step& step, springnet_state& next, const springnet_state* before);
   void keep_acceleration(std::size_t nodes);
   [[nodiscard]] bool solve_to_follow(const Step& step, springnet_state& next);

@@ -122,14 +122,14 @@ void Newton::settle(Step& step, const springnet_state* before) {
   const bool changed = differing.any || (step.constrained() && !was_constrained);
   if (changed) {
     const bool may_follow =
-        switched && network.rigid_count == 0 && before != nullptr && std::isfinite(at_outputs_.norm);
+        switched && was_constrained && network.rigid_count == 0 && before != nullptr && std::isfinite(at_outputs_.norm);
     if (may_follow) keep_acceleration(n);
     work_.evaluate(step, next);
     work_.free_accelerations(step);
     if (may_follow && needs_to_follow(step, next)) follow(step, next, before);
     step.outputs = &next;
   } else if (switched) {
-    work_.free_accelerations(step);  // nothing holds those that have separated where they were
+    work_.free_accelerations(step);  // released nodes now have free ones
   }
   if (network.rigid_count > 0) linearise(step);
   if (switched || changed) ++contact_changes_;
@@ -186,7 +186,7 @@ void Newton::unconstrain_contacts(const Step& step, const springnet_state& outpu
   contacts_.clear();
   for (std::uint32_t k = 0; k < network.node_count; ++k) {
     const bool slides = is_pushed(step, k) || (is_partly_constrained(step, k) && !joined_without_contact(step, k));
-    // What has left its surface goes as the system has it, which has settled the forces of all nodes at once.
+    // Released nodes keep the system's outputs: the solution already includes their forces.
     const bool has_left = network.status[k] == SPRINGNET_FREE && network.cluster[k] == no_node && !step.is_pushed(k);
     if ((pinned_[k] != 0 || (slides && !has_left)) && network.fixed[k] == 0) contacts_.push_back(k);
   }
