@@ -2,12 +2,16 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <vector>
 
 #include <springnet/error.hpp>
 
+#include "layers/kernels.hpp"
 #include "layers/linear/block_kernels.hpp"
 #include "layers/linear/spring_kernels.hpp"
 
@@ -268,8 +272,21 @@ TEST_CASE("products over springs by their first nodes are those of single spring
           }
         }
       }
+      std::vector<double> blocks(8 * nodes, 0.25);  // xx, yy, zz, of no meaning, xy, yz, zx, likewise
+      for (std::size_t k = begin; k < end; ++k) {
+        for (std::size_t s = start[k - begin]; s < start[k - begin + 1]; ++s) {
+          const float* const q = &stiffness[4 * s];
+          for (const std::size_t node : {k, std::size_t{second[s]}}) {
+            if (node != k && !to_second) continue;
+            for (std::size_t c = 0; c < 3; ++c) {
+              blocks[8 * node + c] += double{q[3]} + double{q[c]} * q[c];
+              blocks[8 * node + 4 + c] += double{q[c]} * q[(c + 1) % 3];
+            }
+          }
+        }
+      }
       std::vector<float> first;
-      std::vector<double> first_double;
+      std::vector<double> first_double, first_blocks;
       const SpringRows rows{start.data(), second.data(), stiffness.data()};
       for (const Loops& set : all_loops()) {
         std::vector<float> y(4 * nodes, 0.25F);
@@ -281,13 +298,93 @@ TEST_CASE("products over springs by their first nodes are those of single spring
           CHECK(std::abs(y[i] - expected[i]) <= 10.0 * single_rounding);
           CHECK(std::abs(y_double[i] - expected[i]) <= 1e-12);
         }
+        std::vector<double> own(8 * nodes, 0.25);
+        set.springs->add_blocks(rows, {begin, end}, to_second, own.data());
+        for (std::size_t i = 0; i < own.size(); ++i) {
+          if (i % 4 == 3) own[i] = blocks[i] = 0.0;
+          CHECK(std::abs(own[i] - blocks[i]) <= 1e-12);
+        }
         if (first.empty()) {
           first = y;
           first_double = y_double;
+          first_blocks = own;
         }
         CHECK(same_bits(y, first));
         CHECK(same_bits(y_double, first_double));
+        CHECK(same_bits(own, first_blocks));
       }
+    }
+  }
+}
+
+TEST_CASE("springs have the stiffness that their laws answer, and what does not fit is marked") {
+  constexpr std::size_t count = 150;  // more than the loops take at a time
+  constexpr double position = 0.3, velocity = 0.7;
+  const std::vector<double> n = numbers(3 * count, 1), length = numbers(count, 2), rate = numbers(count, 3),
+                            speed = numbers(count, 4), along = numbers(3 * count, 5);
+  std::vector<double> lengths, law[2][3];
+  for (std::size_t i = 0; i < count; ++i) lengths.push_back(i % 17 == 0 ? 0.0 : 1.5 + length[i]);
+  for (unsigned k = 0; k < 2; ++k) {
+    for (unsigned j = 0; j < 3; ++j) law[k][j] = numbers(count, 6 + 3 * k + j);
+    for (double& by_length : law[k][1]) by_length += 2.5;  // stiff enough, but for some
+  }
+  for (std::size_t i = 0; i < count; i += 31) law[0][1][i] = -50.0;
+  law[0][1][33] = 1e20;
+  law[1][0][34] = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::uint32_t> spring, place;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    spring.push_back(i % 23 == 5 ? no_spring : i);
+    place.push_back((i * 7) % count);
+  }
+  for (const bool has_both : {true, false}) {
+    CAPTURE(has_both);
+    AxialAnswers answers{spring.data(),
+                         place.data(),
+                         count,
+                         {n.data(), n.data() + count, n.data() + 2 * count},
+                         {along.data(), along.data() + count, along.data() + 2 * count},
+                         lengths.data(),
+                         rate.data(),
+                         speed.data(),
+                         {},
+                         {},
+                         {}};
+    for (std::size_t k = 0; k < (has_both ? 2U : 1U); ++k) {
+      answers.tension[k] = law[k][0].data();
+      answers.by_length[k] = law[k][1].data();
+      answers.by_rate[k] = law[k][2].data();
+    }
+    const auto of = [&](std::size_t j, std::size_t i) { return law[0][j][i] + (has_both ? law[1][j][i] : 0.0); };
+    std::vector<float> first;
+    for (const Loops& set : all_loops()) {
+      std::vector<float> stiffness(4 * count, 9.0F);
+      const StiffnessSums sums = set.springs->write_stiffness(answers, position, velocity, stiffness.data());
+      CHECK_FALSE(sums.fits);
+      double asymmetric = 0.0, all = 0.0;
+      for (std::size_t i = 0; i < count; ++i) {
+        CAPTURE(i);
+        const float* const own = &stiffness[4 * std::size_t{place[i]}];
+        if (spring[i] == no_spring) {
+          CHECK(own[0] == 9.0F);
+          continue;
+        }
+        const double a = lengths[i] > 0.0 ? position * of(0, i) / lengths[i] : 0.0;
+        const double axial = position * of(1, i) + velocity * of(2, i) - a;
+        if (!(axial >= 0.0 && axial <= 1e18)) {
+          CHECK(std::isnan(own[0]));
+          continue;
+        }
+        CHECK(std::abs(own[3] - a) <= single_rounding);
+        for (std::size_t c = 0; c < 3; ++c)
+          CHECK(std::abs(own[c] - std::sqrt(axial) * n[c * count + i]) <= single_rounding);
+        const double across = std::max(0.0, speed[i] * speed[i] - rate[i] * rate[i]);
+        if (lengths[i] > 0.0) asymmetric += 2.0 * across * std::pow(position * of(2, i) / lengths[i], 2);
+        all += 2.0 * a * a + (a + axial) * (a + axial);
+      }
+      CHECK(sums.asymmetric == doctest::Approx(asymmetric).epsilon(1e-12));
+      CHECK(sums.all == doctest::Approx(all).epsilon(1e-12));
+      if (first.empty()) first = stiffness;
+      CHECK(same_bits(stiffness, first));
     }
   }
 }
