@@ -50,7 +50,10 @@ class MatrixFree {
   [[nodiscard]] SolveAnswer solve(double accuracy, std::uint32_t max_iterations, const double* b, double* x);
 
   // Drops what is kept for the next systems.
-  void forget() noexcept { coarse_.clear(); }
+  void forget() noexcept {
+    coarse_.clear();
+    last_weights_.reset();
+  }
   // Whether the preconditioner of the present system has parts of an earlier one; then makes those anew, for a solution
   // that has stalled. position: that of prepare(), x, y, z, [node] m.
   [[nodiscard]] bool renews(const std::array<const double*, 3>& position);
@@ -135,11 +138,11 @@ class MatrixFree {
   double coarse_part_ = 0.0;
   CoarseUse coarse_use_;
   bool coarse_is_kept_ = false;
-  std::optional<SystemWeights> last_weights_;
-  bool repeats_ = true;              // the weights of the system before
-  double coarse_unit_ = 0.0;         // kg, in which it is
-  double velocity_weight_ = 0.0;     // s
-  std::vector<float> mass_in_unit_;  // [node]
+  std::optional<SystemWeights> last_weights_;  // of the system before
+  bool repeats_ = true;                        // the weights of the system before
+  double coarse_unit_ = 0.0;                   // kg, in which it is
+  double velocity_weight_ = 0.0;               // s
+  std::vector<float> mass_in_unit_;            // [node]
   NodeResponses responses_;
   std::array<std::vector<float>, 8> vectors_;             // b, x, and of work; the last two for BiCGSTAB alone
   std::vector<double> solution_, residual_, right_side_;  // [node][4], of M b in the unit of mass
