@@ -245,7 +245,8 @@ bool Contact::could_reach(const Placement& at, std::uint32_t node, const Vector3
 // A surface moves exactly, a node with the error of the step; and the straight path of a step cuts through a curved
 // surface that the node passes around. So a separating node may be behind such a surface for some steps, by O(h^2); its
 // separating velocity shows that it does not meet the surface. A node that comes from outside does meet a curved
-// surface at rest, and so does one that would pass to its far side.
+// surface, and so does one that would pass to its far side: with theta 1/2 the velocity at the end of a step that takes
+// a node just to a surface may point away from it.
 bool Contact::is_separating(const Placement& at, std::int32_t surface, const Path& path) const {
   const auto j = static_cast<std::size_t>(surface);
   const Obstacle& obstacle = obstacles_[j];
@@ -255,7 +256,7 @@ bool Contact::is_separating(const Placement& at, std::int32_t surface, const Pat
   if (obstacle.is_flat()) return true;
   const Vector3 before = normal(*start_, j, path.start);
   if (!(before.dot(n) > 0.0)) return false;
-  if (obstacle.moves() || committed(path.node).surface == surface) return true;
+  if (committed(path.node).surface == surface) return true;
   return gap(*start_, j, path.start) <= beside * (path.end - path.start).norm() ||
          before.dot(path.start_velocity - Contact::velocity(*start_, j, path.start)) >= 0.0;
 }

@@ -1,7 +1,4 @@
 // What steps of Newton's method cost, in sweeps and iterations: not time, which tests do not measure.
-#include <cmath>
-#include <memory>
-
 #include <doctest/doctest.h>
 
 #include "nets.hpp"
