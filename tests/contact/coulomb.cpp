@@ -203,8 +203,8 @@ TEST_CASE("a shaken oscillator slips and sticks again and again in steps") {
 
 // A stiff rod that leans back drags its foot over the floor: friction pulls the foot under it, and presses it down by
 // mu cos sin - sin^2 of what a reaction would lift it. No step ends with the foot sliding, nor clear of the floor,
-// which it reaches by a millionth of its path.
-TEST_CASE("a foot that friction presses down goes on where it would hardly enter the floor") {
+// which it reaches by a millionth of its path. (That it jams is a solution, too.)
+TEST_CASE("a foot that friction presses down ends its step where it would hardly enter the floor") {
   for (const double rule : {block, coloured, newton}) {
     for (const double theta : {1.0, 0.5}) {
       CAPTURE(rule);
