@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "constraints/cone_forces.hpp"
 #include "constraints/friction.hpp"
 #include "constraints/island_directions.hpp"
 #include "constraints/least_squares.hpp"
@@ -18,7 +19,6 @@ constexpr int max_pivots = 200;          // of the active set by pivoting
 constexpr std::size_t max_stored = 64;   // bits of an active set that is stored
 constexpr std::size_t max_pivoted = 24;  // bits of an active set of impulses that is pivoted first
 constexpr int max_bits = 12;             // of an active set that is found by enumeration
-constexpr double singular = 1e-9;        // in units of the greatest pivot
 constexpr int rounds_per_check = Island::max_rounds / 10;
 
 // Holding surfaces only: Coulomb friction would need a normal force comparable to the tangential one.
@@ -42,16 +42,10 @@ Island::Island(std::vector<ContactNode> nodes, Eigen::MatrixXd mobility)
   }
 }
 
-void Island::solve_once() {
-  struct Unknown {
-    std::size_t node;
-    Vector3 row, column;
-    double target;
-    std::size_t side;  // of a normal force
-  };
-  constexpr std::size_t no_side = 3;
-  std::vector<Unknown> unknowns;
+std::vector<Island::Unknown> Island::unknowns(std::optional<std::size_t> without) const {
+  std::vector<Unknown> result;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (i == without) continue;
     const ContactNode& node = nodes_[i];
     const std::vector<Vector3> directions = free_directions(active_normals(node));
     const ContactSide* first = nullptr;
@@ -61,26 +55,60 @@ void Island::solve_once() {
       if (first == nullptr) first = &side;
       Vector3 column = side.normal;
       if (!node.sticks) column -= sliding_coefficient_of(side.friction) * project_onto(directions, node.slip);
-      unknowns.push_back({i, side.normal, column, side.target_acceleration, s});
+      result.push_back({i, side.normal, column, side.target_acceleration, s});
     }
     if (first == nullptr || !node.sticks) continue;
-    for (const Vector3& e : directions) unknowns.push_back({i, e, e, e.dot(first->surface_acceleration), no_side});
+    for (const Vector3& e : directions) result.push_back({i, e, e, e.dot(first->surface_acceleration), Unknown::no_side});
   }
+  return result;
+}
+
+Eigen::MatrixXd Island::response(const std::vector<Unknown>& unknowns) const {
   const auto count = static_cast<Eigen::Index>(unknowns.size());
   Eigen::MatrixXd matrix(count, count);
-  Eigen::VectorXd right(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Unknown& row = unknowns[static_cast<std::size_t>(r)];
-    right[r] = row.target - row.row.dot(nodes_[row.node].acceleration);
     for (Eigen::Index c = 0; c < count; ++c) {
       const Unknown& column = unknowns[static_cast<std::size_t>(c)];
       matrix(r, c) = row.row.dot(block(row.node, column.node) * column.column);
     }
   }
-  // Forces between nodes that brace each other are not unique; this is the least-squares solution.
-  Eigen::VectorXd x;
-  if (count > 0) x = least_squares(matrix, right, singular);
+  return matrix;
+}
+
+void Island::solve_once() {
+  const std::vector<Unknown> unknowns = this->unknowns();
+  constexpr std::size_t no_side = Unknown::no_side;
+  const auto count = static_cast<Eigen::Index>(unknowns.size());
+  const Eigen::MatrixXd matrix = response(unknowns);
+  Eigen::VectorXd right(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const Unknown& row = unknowns[static_cast<std::size_t>(r)];
+    right[r] = row.target - row.row.dot(nodes_[row.node].acceleration);
+  }
+  // Forces between nodes that brace each other, or of redundant pairs, are not unique; this is the least-squares
+  // solution.
   const bool braced = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node.braced; });
+  Eigen::VectorXd x;
+  if (count > 0 && has_pairs_ && !braced) {
+    std::vector<ForceCone> cones;
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const Unknown& unknown = unknowns[static_cast<std::size_t>(r)];
+      if (unknown.side == no_side) continue;
+      const ContactNode& node = nodes_[unknown.node];
+      const ContactSide& side = node.sides[unknown.side];
+      if (side.pinned) continue;
+      // On several surfaces only require that none pulls.
+      const bool has_friction = node.sticks && active_normals(node).size() == 1;
+      cones.push_back({r, has_friction, has_friction ? coefficient_of(side.friction) : 0.0});
+    }
+    Solution least = solve_least_squares(matrix, right, singular);
+    x = std::move(least.x);
+    if (least.kernel.cols() > 0 && margin_in_cones(x, cones) < 0.0)
+      x = least_in_cones(x, least.row_space, least.kernel, cones);
+  } else if (count > 0) {
+    x = least_squares(matrix, right, singular);
+  }
   if (braced && count > 0) {
     Eigen::FullPivLU<Eigen::MatrixXd> parts(matrix);
     const Eigen::MatrixXd kernel = parts.setThreshold(singular).kernel();

@@ -137,15 +137,28 @@ class Island {
   [[nodiscard]] std::size_t bit_count() const;     // of the active set
   void set_active_set(std::uint64_t bits);
   [[nodiscard]] std::uint64_t braced_set() const;
+  static constexpr double singular = 1e-9;  // of pivots, in units of the greatest
+  // A force of the active set, of which the acceleration along `row` is to be `target` (m/s^2); it acts along `column`.
+  struct Unknown {
+    static constexpr std::size_t no_side = 3;
+    std::size_t node;
+    Vector3 row, column;
+    double target;
+    std::size_t side;  // of a normal force
+  };
+  [[nodiscard]] std::vector<Unknown> unknowns(std::optional<std::size_t> without = {}) const;
+  // 1/kg, accelerations along rows by forces along columns.
+  [[nodiscard]] Eigen::MatrixXd response(const std::vector<Unknown>& unknowns) const;
   void solve_once();
-  // A node on a single surface, with the forces of all other nodes kept: its own mobility, and its acceleration
-  // relative to the one that it has to have, without its own force.
+  // A node on a single surface, with the active set of all others: its mobility, to which their forces belong, and its
+  // acceleration relative to the one that it has to have, without its own force.
   struct Alone {
     const ContactSide& side;
     Matrix3 mobility;
     Vector3 relative;
   };
   [[nodiscard]] std::optional<Alone> alone(std::size_t node) const;
+  [[nodiscard]] bool follow_slips();
   [[nodiscard]] std::optional<Vector3> slip_of(std::size_t node) const;
   [[nodiscard]] std::optional<Vector3> reversed_slip(std::size_t node) const;
   // Pivots from the present active set, one change at a time; `changed` collects the nodes that change. False: it

@@ -3,10 +3,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <limits>
+#include <utility>
+
+#include <springnet/sdk/math.hpp>
 
 #include "constraints/friction.hpp"
 #include "constraints/island.hpp"
 #include "constraints/island_directions.hpp"
+#include "constraints/least_squares.hpp"
 
 namespace springnet {
 namespace {
@@ -14,6 +18,17 @@ namespace {
 constexpr int max_directions = 200;  // iterations for directions of beginning slip
 constexpr int max_guesses = 20;      // of them, fixed-point iterations along the acceleration
 constexpr double reversed = 0.1;     // length of the sum of two unit vectors: they are opposite
+
+constexpr double reversing = 1e-6;    // acceleration against a slip, in units of what forces give, that is its end
+
+// Its direction follows the acceleration.
+bool begins_slip(const ContactNode& node) {
+  const double friction = slip_friction(node);
+  if (node.sticks || friction == 0.0) return false;
+  return !node.slipping || (node.slip_starting && friction < friction_of_held);
+}
+
+constexpr double least_share = 1e-6;  // of a mobility, below which others hold what it belongs to
 
 // Whether a node can move in all directions; one whose rod hangs from what is held cannot.
 bool is_regular(const Matrix3& mobility) {
@@ -33,14 +48,38 @@ std::optional<Island::Alone> Island::alone(std::size_t i) const {
   }
   if (touched == nullptr) return std::nullopt;
   const Vector3& n = touched->normal;
-  const Matrix3 mobility = block(i, i);
-  const Vector3 other = acceleration(i) - mobility * node.force;
+  Matrix3 mobility = block(i, i);
+  Vector3 other = acceleration(i) - mobility * node.force;
+  // With what the others do for this one's force, unless they hold it.
+  const std::vector<Unknown> others = has_pairs_ ? unknowns(i) : std::vector<Unknown>{};
+  if (!others.empty()) {
+    const auto count = static_cast<Eigen::Index>(others.size());
+    Eigen::MatrixXd missing(count, 4);
+    Eigen::Matrix3Xd back(3, count);
+    for (Eigen::Index r = 0; r < count; ++r) {
+      const Unknown& unknown = others[static_cast<std::size_t>(r)];
+      missing(r, 3) = unknown.target - unknown.row.dot(nodes_[unknown.node].acceleration);
+      missing.row(r).head<3>() = -unknown.row.transpose() * block(unknown.node, i);
+      back.col(r) = block(i, unknown.node) * unknown.column;
+    }
+    const Eigen::Matrix<double, 3, 4> answer = back * (pseudo_inverse(response(others), singular) * missing);
+    const Matrix3 answered = mobility + answer.leftCols<3>(), along = Matrix3::Identity() - n * n.transpose();
+    const double own = n.dot(mobility * n);
+    if (n.dot(answered * n) > least_share * own) {
+      mobility = answered;
+      other = node.acceleration + answer.col(3);
+    } else if ((along * answered * along).norm() > least_share * own) {
+      // The others determine the gap, so that its normal force is one of many: it stays.
+      mobility = along * answered * along + own * n * n.transpose();
+      other = along * (node.acceleration + answer.col(3)) + n * (touched->target_acceleration - own * n.dot(node.force));
+    }
+  }
   Vector3 relative = other - touched->surface_acceleration;
   relative += n * (n.dot(other) - touched->target_acceleration - n.dot(relative));
   return Alone{*touched, mobility, relative};
 }
 
-// Of a node on a single surface that friction would hold, with the forces of all other nodes kept: the direction d in
+// Of a node on a single surface that friction would hold, with the active set of all others: the direction d in
 // which it slips backwards, at -s, as the smooth function of the forces that a slip at s along d is. With the relative
 // acceleration r of the node without its own force f,
 //
@@ -81,8 +120,8 @@ std::optional<Vector3> Island::reversed_slip(std::size_t i) const {
   return first;
 }
 
-// The direction in which a node on a single surface begins to slip, with the forces of all other nodes kept; empty if
-// it does not slip.
+// The direction in which a node on a single surface begins to slip, with the active set of all others; empty if it does
+// not slip.
 std::optional<Vector3> Island::slip_of(std::size_t i) const {
   const std::optional<Alone> own = alone(i);
   if (!own) return std::nullopt;
@@ -94,12 +133,93 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   return sliding.normalized();
 }
 
+// The directions of all beginning slips at once, by Newton's method on their angles: of each, the acceleration across it
+// vanishes. Where a slip ends, the acceleration along it passes through zero as a smooth function. False, with the
+// directions as they were: it does not converge, or leads elsewhere.
+bool Island::follow_slips() {
+  constexpr int most = 12, most_halvings = 6;
+  constexpr double probe = 1e-6, longest = 0.5, accuracy = 1e-13, converged = 1e-10;
+  std::vector<std::size_t> begin;
+  std::vector<Vector3> start;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const ContactNode& node = nodes_[i];
+    if (!begins_slip(node) || active_normals(node).empty()) continue;
+    if (active_normals(node).size() > 1 || slip_friction(node) >= friction_of_held || node.slip.isZero(0.0))
+      return false;
+    begin.push_back(i);
+    start.push_back(node.slip);
+  }
+  const auto count = static_cast<Eigen::Index>(begin.size());
+  Eigen::VectorXd across(count), along(count);
+  double scale = 0.0;
+  const auto evaluate = [&] {
+    solve_once();
+    scale = 0.0;
+    for (std::size_t j = 0; j < begin.size(); ++j) {
+      const ContactNode& node = nodes_[begin[j]];
+      const auto side = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
+      const Vector3 a = acceleration(begin[j]);
+      const Vector3 slides = a - side->surface_acceleration;
+      across[static_cast<Eigen::Index>(j)] = side->normal.dot(node.slip.cross(slides));
+      along[static_cast<Eigen::Index>(j)] = node.slip.dot(slides);
+      scale = std::max(scale, (a - node.acceleration).norm());
+    }
+  };
+  const auto turn = [&](std::size_t j, double angle) {
+    ContactNode& node = nodes_[begin[j]];
+    const Vector3 n = active_normals(node).front();
+    const Vector3 d = (node.slip - n * n.dot(node.slip)).normalized();
+    node.slip = (sdk::cos(angle) * d + sdk::sin(angle) * n.cross(d)).normalized();
+  };
+  const auto put = [&](const std::vector<Vector3>& slips) {
+    for (std::size_t j = 0; j < begin.size(); ++j) nodes_[begin[j]].slip = slips[j];
+  };
+  evaluate();
+  double missing = count > 0 ? across.lpNorm<Eigen::Infinity>() : 0.0;
+  for (int k = 0; k < most && missing > accuracy * scale; ++k) {
+    std::vector<Vector3> before;
+    for (const std::size_t i : begin) before.push_back(nodes_[i].slip);
+    const Eigen::VectorXd first = across;
+    Eigen::MatrixXd by_angle(count, count);
+    for (std::size_t j = 0; j < begin.size(); ++j) {
+      turn(j, probe);
+      evaluate();
+      by_angle.col(static_cast<Eigen::Index>(j)) = (across - first) / probe;
+      nodes_[begin[j]].slip = before[j];
+    }
+    Eigen::VectorXd angles = -least_squares(by_angle, first, singular);
+    if (!angles.allFinite()) break;
+    angles *= std::min(1.0, longest / std::max(longest, angles.lpNorm<Eigen::Infinity>()));
+    double last = missing;
+    for (int halvings = 0; halvings < most_halvings; ++halvings, angles *= 0.5) {
+      put(before);
+      for (std::size_t j = 0; j < begin.size(); ++j) turn(j, angles[static_cast<Eigen::Index>(j)]);
+      evaluate();
+      if ((last = across.lpNorm<Eigen::Infinity>()) < missing) break;
+    }
+    if (!(last < missing)) {  // to rounding, perhaps
+      put(before);
+      evaluate();
+      break;
+    }
+    missing = last;
+  }
+  bool fits = missing <= converged * scale;
+  for (std::size_t j = 0; j < begin.size(); ++j)
+    fits = fits && start[j].dot(nodes_[begin[j]].slip) > 0.0 && along[static_cast<Eigen::Index>(j)] >= -reversing * scale;
+  directions_fit_ = fits;
+  if (!fits) put(start);
+  return fits;
+}
+
 // Beginning slip is parallel to the sliding acceleration. Friction opposes it, and with an anisotropic effective mass
 // turns the acceleration, so that the direction is found by iteration.
 void Island::solve(bool keeps_slips) {
   std::vector<Vector3> kept;
   if (keeps_slips)
     for (const ContactNode& node : nodes_) kept.push_back(node.slip);
+  std::vector<Vector3> given;
+  for (const ContactNode& node : nodes_) given.push_back(node.slip);
   double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
   for (int iteration = 0; iteration < max_directions; ++iteration) {
     if (iteration > max_guesses && iteration % max_guesses == 0) {
@@ -110,9 +230,7 @@ void Island::solve(bool keeps_slips) {
     turned = 0.0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       ContactNode& node = nodes_[i];
-      const double friction = slip_friction(node);
-      if (node.sticks || friction == 0.0) continue;
-      if (node.slipping && (!node.slip_starting || friction >= friction_of_held)) continue;
+      if (!begins_slip(node)) continue;
       const auto first = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
       if (first == node.sides.end()) continue;
       const Vector3 sliding =
@@ -149,6 +267,13 @@ void Island::solve(bool keeps_slips) {
     directions_fit_ = turned <= 1e-12;
     if (turned <= 1e-14) return;
   }
+  if (directions_fit_ || !has_pairs_) return;
+  // Pairs that push each other along turn each other's slips.
+  std::vector<Vector3> last;
+  for (ContactNode& node : nodes_) last.push_back(std::exchange(node.slip, given[last.size()]));
+  if (follow_slips()) return;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].slip = last[i];
+  solve_once();
 }
 
 }  // namespace springnet

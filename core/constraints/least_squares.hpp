@@ -13,6 +13,17 @@ namespace springnet {
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
                                             std::optional<double> threshold = {});
 
-[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix);
+// The same, with what of x the equations determine and what they do not, both orthonormal: the rows of the matrix are
+// combinations of the columns of `row_space`, and the columns of `kernel`, which is empty where the matrix has full
+// rank, are what it maps to zero.
+struct Solution {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd row_space, kernel;
+};
+[[nodiscard]] Solution solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
+                                           double threshold);
+
+[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix,
+                                             std::optional<double> threshold = {});
 
 }  // namespace springnet

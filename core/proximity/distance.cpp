@@ -26,6 +26,7 @@ struct Closest {
   Vector3 along = Vector3::Zero();                           // an edge that has one of the points between its ends
   std::array<double, 4> weights{};
 
+  [[nodiscard]] bool is_of_ends() const { return normal.isZero(0.0) && along.isZero(0.0); }
   void replace(const Vector3& other) {
     difference = other;
     squared = other.squaredNorm();
@@ -53,13 +54,19 @@ void consider_segment(Closest& best, std::size_t point, std::size_t from, std::s
   const double t = share_of_segment(a, e);
   // From the nearer end, so that a point close to it keeps its digits.
   const Vector3 to_segment = t <= 0.5 ? Vector3(a + t * e) : Vector3(b - (1.0 - t) * e);
-  if (!best.improves(-sign * to_segment)) return;
+  const bool is_between = t > 0.0 && t < 1.0;
+  if (!best.improves(-sign * to_segment)) {
+    // Of distances that are equal but for rounding the one beside an end says less of the direction.
+    const bool is_as_near = to_segment.squaredNorm() <= (1.0 + 4.0 * epsilon) * best.squared;
+    if (!is_as_near || !is_between || !best.is_of_ends()) return;
+    best.replace(-sign * to_segment);
+  }
   best.weights = {};
   best.weights[point] = sign;
   best.weights[from] = -sign * (1.0 - t);
   best.weights[to] = -sign * t;
   best.normal.setZero();
-  best.along = t > 0.0 && t < 1.0 ? e : Vector3(Vector3::Zero());
+  best.along = is_between ? e : Vector3(Vector3::Zero());
 }
 
 // A unit vector perpendicular to `e`; UnitX if that is zero.
@@ -181,7 +188,11 @@ Separation of_edges(const std::array<Vector3, 4>& x) {
       if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
         best.improves(s * e - offset - t * f);
         best.weights = {1.0 - s, s, t - 1.0, -t};
-        if (area > without_normal * e.squaredNorm() * f.squaredNorm()) best.normal = normal;
+        // Along the edges the points, and so their difference, are rounding.
+        if (area > without_normal * e.squaredNorm() * f.squaredNorm())
+          best.normal = normal;
+        else
+          best.along = e;
       }
     }
     consider_ends(best, x);

@@ -93,6 +93,9 @@ class ContactEvents {
   [[nodiscard]] double beyond_cone(const Source& slip, AtCommitted& at) const;        // N
   [[nodiscard]] double beyond_brace(const Source& release, AtCommitted& at) const;    // m/s^2
   [[nodiscard]] double beyond_release(const Source& release, AtCommitted& at) const;  // N
+  // N, by which forces have to leave their cones to count: those of redundant pairs lie on the boundaries of cones as
+  // long as others bear the rest.
+  [[nodiscard]] double on_cones() const;
   // Rigidly connected, while bodies touch: its reaction is not unique.
   [[nodiscard]] bool is_pushed_cluster(std::uint32_t node) const;
   [[nodiscard]] bool is_impacting(const Source& touch, const Placement& at, const State& state, double tolerance) const;

@@ -32,7 +32,7 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
     if (!(mu > 0.0) || (touch.sticks && !std::isfinite(mu))) continue;
     if (touch.sticks) {
       add(Kind::slip);
-      sources_.back().offset = beyond_cone(sources_.back(), at);
+      sources_.back().offset = on_cones() + beyond_cone(sources_.back(), at);
       continue;
     }
     add(Kind::rest);
@@ -44,9 +44,14 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
 // Of faces on faces, and of the feet of a rigid body, the smallest forces may pull a little where others would not;
 // with this offset it is released once they pull twice as much.
 double ContactEvents::beyond_release(const Source& source, AtCommitted& at) const {
+  const double least = -on_cones();
   double pulling = 0.0;
-  if (value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return 0.0;
-  return -2.0 * pulling - rounding_of_force * model_.scales.force;
+  if (value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return least;
+  return -2.0 * pulling - rounding_of_force * model_.scales.force + least;
+}
+
+double ContactEvents::on_cones() const {
+  return model_.constraints.bodies().touching().size() > 1 ? 2.0 * Scales::min_force * model_.scales.force : 0.0;
 }
 
 springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& reactions, double& value) const {

@@ -1,0 +1,182 @@
+#include "constraints/cone_forces.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "constraints/friction.hpp"
+
+namespace springnet {
+namespace {
+
+constexpr int max_newton = 60, max_halvings = 40;
+constexpr double accuracy = 1e-14;     // of resultants, in units of the least forces
+constexpr double greatest = 1e6;       // forces that count as none, in the same units
+constexpr double towards_base = 1e-6;  // weight of the norm beside that of distances from cones
+constexpr double sufficient = 1e-4;    // share of the expected decrease that a step of the search has to reach
+
+// The projection onto the cones, and its derivative times a matrix. Zhou and Chen, J. Nonlinear Convex Anal. 14 (2013),
+// 807.
+class Projection {
+ public:
+  explicit Projection(const std::vector<ForceCone>& cones) : cones_(cones) {}
+
+  [[nodiscard]] Eigen::VectorXd of(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd result = x;
+    for (const ForceCone& cone : cones_) {
+      if (!cone.has_friction) {
+        result[cone.first] = std::max(0.0, x[cone.first]);
+        continue;
+      }
+      const double mu = cone.coefficient, n = x[cone.first];
+      const Eigen::Vector2d t = x.segment<2>(cone.first + 1);
+      const double size = t.norm();
+      if (size <= mu * n) continue;
+      if (mu * size <= -n) {
+        result.segment<3>(cone.first).setZero();
+        continue;
+      }
+      const double pressing = (n + mu * size) / (1.0 + mu * mu);
+      result[cone.first] = pressing;
+      result.segment<2>(cone.first + 1) = mu * pressing / size * t;
+    }
+    return result;
+  }
+
+  // rows := D rows, at x.
+  void differentiate(const Eigen::VectorXd& x, Eigen::MatrixXd& rows) const {
+    for (const ForceCone& cone : cones_) {
+      if (!cone.has_friction) {
+        if (x[cone.first] < 0.0) rows.row(cone.first).setZero();
+        continue;
+      }
+      const double mu = cone.coefficient, n = x[cone.first];
+      const Eigen::Vector2d t = x.segment<2>(cone.first + 1);
+      const double size = t.norm();
+      if (size <= mu * n) continue;
+      auto block = rows.middleRows<3>(cone.first);
+      if (mu * size <= -n) {
+        block.setZero();
+        continue;
+      }
+      const double share = 1.0 / (1.0 + mu * mu), pressing = share * (n + mu * size);
+      const Eigen::Vector2d u = t / size;
+      Eigen::Matrix3d d;
+      d(0, 0) = share;
+      d.block<1, 2>(0, 1) = share * mu * u.transpose();
+      d.block<2, 1>(1, 0) = share * mu * u;
+      d.block<2, 2>(1, 1) = share * mu * mu * u * u.transpose() +
+                            mu * pressing / size * (Eigen::Matrix2d::Identity() - u * u.transpose());
+      block = (d * block).eval();
+    }
+  }
+
+ private:
+  const std::vector<ForceCone>& cones_;
+};
+
+// Minimises a convex function whose derivative `evaluate(y, gradient)` gives and whose generalised second derivative is
+// `second(y)`, by Newton's method with a search along each step. done(y, gradient): it ends.
+template <class Evaluate, class Second, class Done>
+void minimise(Eigen::VectorXd& y, const Evaluate& evaluate, const Second& second, const Done& done) {
+  Eigen::VectorXd gradient, next_gradient;
+  double value = evaluate(y, gradient);
+  for (int k = 0; k < max_newton && !done(y, gradient); ++k) {
+    const Eigen::VectorXd step = -second(y, gradient).ldlt().solve(gradient);
+    const double slope = gradient.dot(step);
+    if (!(slope < 0.0)) return;
+    double length = 1.0;
+    Eigen::VectorXd next;
+    double next_value = 0.0;
+    int halvings = 0;
+    for (;; length *= 0.5) {
+      next = y + length * step;
+      next_value = evaluate(next, next_gradient);
+      // Near the end differences of values are rounding: there the gradient decides.
+      if (next_value <= value + sufficient * length * slope || next_gradient.norm() <= 0.5 * gradient.norm()) break;
+      if (++halvings > max_halvings) return;
+    }
+    y = next;
+    value = next_value;
+    gradient.swap(next_gradient);
+  }
+}
+
+// The dual problem: with the resultants d = C base of the rows C, the least x in the cones with C x = d is the
+// projection of C^T y onto them, where y maximises d.y - |projection|^2/2. Empty: no such x is smaller than `greatest`.
+std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
+                                            const Projection& project) {
+  const Eigen::VectorXd d = row_space.transpose() * base;
+  const double size = d.norm();
+  Eigen::VectorXd y = d, x;
+  bool is_found = false;
+  const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& gradient) {
+    const Eigen::VectorXd projected = project.of(row_space * at);
+    gradient = row_space.transpose() * projected - d;
+    return 0.5 * projected.squaredNorm() - d.dot(at);
+  };
+  const auto second = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) -> Eigen::MatrixXd {
+    Eigen::MatrixXd moved = row_space;
+    project.differentiate(row_space * at, moved);
+    Eigen::MatrixXd matrix = row_space.transpose() * moved;
+    matrix.diagonal().array() += 1e-12 + 1e-4 * std::min(1.0, gradient.norm() / size);
+    return matrix;
+  };
+  minimise(y, evaluate, second, [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) {
+    x = project.of(row_space * at);
+    is_found = gradient.norm() <= accuracy * size;
+    // For each x in the cones with C x = d it holds that d.y = x.(C^T y) <= |x| |projection|.
+    return is_found || d.dot(at) > greatest * size * x.norm();
+  });
+  Eigen::VectorXd gradient;
+  evaluate(y, gradient);
+  if (!is_found && !(gradient.norm() <= 1e-10 * size)) return std::nullopt;
+  x = project.of(row_space * y);
+  return Eigen::VectorXd(x - row_space * gradient);
+}
+
+Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kernel, const Projection& project) {
+  const double size = base.norm();
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(kernel.cols());
+  const auto at = [&](const Eigen::VectorXd& by) -> Eigen::VectorXd { return base + kernel * by; };
+  const auto evaluate = [&](const Eigen::VectorXd& by, Eigen::VectorXd& gradient) {
+    const Eigen::VectorXd x = at(by), outside = x - project.of(x);
+    gradient = kernel.transpose() * outside + towards_base * by;
+    return 0.5 * outside.squaredNorm() + 0.5 * towards_base * by.squaredNorm();
+  };
+  const auto second = [&](const Eigen::VectorXd& by, const Eigen::VectorXd&) -> Eigen::MatrixXd {
+    Eigen::MatrixXd moved = kernel;
+    project.differentiate(at(by), moved);
+    Eigen::MatrixXd matrix = kernel.transpose() * (kernel - moved);
+    matrix.diagonal().array() += towards_base;
+    return matrix;
+  };
+  minimise(z, evaluate, second, [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) {
+    return gradient.norm() <= accuracy * size;
+  });
+  return at(z);
+}
+
+}  // namespace
+
+double margin_in_cones(const Eigen::VectorXd& x, const std::vector<ForceCone>& cones) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const ForceCone& cone : cones) {
+    const double n = x[cone.first];
+    least = std::min(least, n);
+    if (cone.has_friction) least = std::min(least, cone_margin(cone.coefficient, n, x.segment<2>(cone.first + 1).norm()));
+  }
+  return least;
+}
+
+Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
+                               const Eigen::MatrixXd& kernel, const std::vector<ForceCone>& cones) {
+  if (base.isZero(0.0) || kernel.cols() == 0) return base;
+  const Projection project(cones);
+  if (const std::optional<Eigen::VectorXd> within = least_within(base, row_space, project)) return *within;
+  return nearest(base, kernel, project);
+}
+
+}  // namespace springnet
