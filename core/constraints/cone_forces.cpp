@@ -153,9 +153,8 @@ Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kern
     matrix.diagonal().array() += towards_base;
     return matrix;
   };
-  minimise(z, evaluate, second, [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) {
-    return gradient.norm() <= accuracy * size;
-  });
+  minimise(z, evaluate, second,
+           [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) { return gradient.norm() <= accuracy * size; });
   return at(z);
 }
 
@@ -166,7 +165,8 @@ double margin_in_cones(const Eigen::VectorXd& x, const std::vector<ForceCone>& c
   for (const ForceCone& cone : cones) {
     const double n = x[cone.first];
     least = std::min(least, n);
-    if (cone.has_friction) least = std::min(least, cone_margin(cone.coefficient, n, x.segment<2>(cone.first + 1).norm()));
+    if (cone.has_friction)
+      least = std::min(least, cone_margin(cone.coefficient, n, x.segment<2>(cone.first + 1).norm()));
   }
   return least;
 }

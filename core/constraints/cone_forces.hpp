@@ -10,7 +10,7 @@ namespace springnet {
 
 // Where some of the unknowns may lie.
 struct ForceCone {
-  Eigen::Index first = 0;    // of the unknowns: a normal force, N, and with friction two tangential ones after it
+  Eigen::Index first = 0;  // of the unknowns: a normal force, N, and with friction two tangential ones after it
   bool has_friction = false;
   double coefficient = 0.0;  // of friction, 1
 };
@@ -18,8 +18,8 @@ struct ForceCone {
 // N; below zero by how far the unknowns lie outside of the cone that is worst.
 [[nodiscard]] double margin_in_cones(const Eigen::VectorXd& x, const std::vector<ForceCone>& cones);
 
-// Of all x = base + kernel z the one of least norm that lies in all cones; if none does, one that lies nearly nearest to
-// them, by the sum of squares. base is orthogonal to the kernel, whose columns are orthonormal, as are those of
+// Of all x = base + kernel z the one of least norm that lies in all cones; if none does, one that lies nearly nearest
+// to them, by the sum of squares. base is orthogonal to the kernel, whose columns are orthonormal, as are those of
 // row_space, which spans the rest. Unknowns without a cone may have either sign.
 [[nodiscard]] Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
                                              const Eigen::MatrixXd& kernel, const std::vector<ForceCone>& cones);

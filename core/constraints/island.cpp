@@ -58,7 +58,8 @@ std::vector<Island::Unknown> Island::unknowns(std::optional<std::size_t> without
       result.push_back({i, side.normal, column, side.target_acceleration, s});
     }
     if (first == nullptr || !node.sticks) continue;
-    for (const Vector3& e : directions) result.push_back({i, e, e, e.dot(first->surface_acceleration), Unknown::no_side});
+    for (const Vector3& e : directions)
+      result.push_back({i, e, e, e.dot(first->surface_acceleration), Unknown::no_side});
   }
   return result;
 }

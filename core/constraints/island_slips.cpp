@@ -15,10 +15,10 @@
 namespace springnet {
 namespace {
 
-constexpr int max_directions = 200;  // iterations for directions of beginning slip
-constexpr int max_guesses = 20;      // of them, fixed-point iterations along the acceleration
-constexpr double reversed = 0.1;     // length of the sum of two unit vectors: they are opposite
-
+constexpr int max_directions = 200;   // iterations for directions of beginning slip
+constexpr int max_guesses = 20;       // of them, fixed-point iterations along the acceleration
+constexpr double reversed = 0.1;      // length of the sum of two unit vectors: they are opposite
+constexpr double least_share = 1e-6;  // of a mobility, below which others hold what it belongs to
 constexpr double reversing = 1e-6;    // acceleration against a slip, in units of what forces give, that is its end
 
 // Its direction follows the acceleration.
@@ -27,8 +27,6 @@ bool begins_slip(const ContactNode& node) {
   if (node.sticks || friction == 0.0) return false;
   return !node.slipping || (node.slip_starting && friction < friction_of_held);
 }
-
-constexpr double least_share = 1e-6;  // of a mobility, below which others hold what it belongs to
 
 // Whether a node can move in all directions; one whose rod hangs from what is held cannot.
 bool is_regular(const Matrix3& mobility) {
@@ -62,7 +60,7 @@ std::optional<Island::Alone> Island::alone(std::size_t i) const {
       missing.row(r).head<3>() = -unknown.row.transpose() * block(unknown.node, i);
       back.col(r) = block(i, unknown.node) * unknown.column;
     }
-    const Eigen::Matrix<double, 3, 4> answer = back * (pseudo_inverse(response(others), singular) * missing);
+    const Eigen::Matrix<double, 3, 4> answer = back * least_squares_of_all(response(others), missing, singular);
     const Matrix3 answered = mobility + answer.leftCols<3>(), along = Matrix3::Identity() - n * n.transpose();
     const double own = n.dot(mobility * n);
     if (n.dot(answered * n) > least_share * own) {
@@ -71,7 +69,8 @@ std::optional<Island::Alone> Island::alone(std::size_t i) const {
     } else if ((along * answered * along).norm() > least_share * own) {
       // The others determine the gap, so that its normal force is one of many: it stays.
       mobility = along * answered * along + own * n * n.transpose();
-      other = along * (node.acceleration + answer.col(3)) + n * (touched->target_acceleration - own * n.dot(node.force));
+      other =
+          along * (node.acceleration + answer.col(3)) + n * (touched->target_acceleration - own * n.dot(node.force));
     }
   }
   Vector3 relative = other - touched->surface_acceleration;
@@ -133,8 +132,8 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   return sliding.normalized();
 }
 
-// The directions of all beginning slips at once, by Newton's method on their angles: of each, the acceleration across it
-// vanishes. Where a slip ends, the acceleration along it passes through zero as a smooth function. False, with the
+// The directions of all beginning slips at once, by Newton's method on their angles: of each, the acceleration across
+// it vanishes. Where a slip ends, the acceleration along it passes through zero as a smooth function. False, with the
 // directions as they were: it does not converge, or leads elsewhere.
 bool Island::follow_slips() {
   constexpr int most = 12, most_halvings = 6;
@@ -206,7 +205,8 @@ bool Island::follow_slips() {
   }
   bool fits = missing <= converged * scale;
   for (std::size_t j = 0; j < begin.size(); ++j)
-    fits = fits && start[j].dot(nodes_[begin[j]].slip) > 0.0 && along[static_cast<Eigen::Index>(j)] >= -reversing * scale;
+    fits =
+        fits && start[j].dot(nodes_[begin[j]].slip) > 0.0 && along[static_cast<Eigen::Index>(j)] >= -reversing * scale;
   directions_fit_ = fits;
   if (!fits) put(start);
   return fits;

@@ -24,10 +24,15 @@ Solution solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorX
   return result;
 }
 
-Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix, std::optional<double> threshold) {
+Eigen::MatrixXd least_squares_of_all(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right_hand_sides,
+                                     double threshold) {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  if (threshold) factors.setThreshold(*threshold);
-  return factors.compute(matrix).pseudoInverse();
+  factors.setThreshold(threshold);
+  return factors.compute(matrix).solve(right_hand_sides);
+}
+
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix) {
+  return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(matrix).pseudoInverse();
 }
 
 }  // namespace springnet

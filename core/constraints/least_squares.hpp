@@ -13,7 +13,10 @@ namespace springnet {
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
                                             std::optional<double> threshold = {});
 
-// The same, with what of x the equations determine and what they do not, both orthonormal: the rows of the matrix are
+// The same for several right-hand sides, a column each.
+[[nodiscard]] Eigen::MatrixXd least_squares_of_all(const Eigen::MatrixXd& matrix,
+                                                   const Eigen::MatrixXd& right_hand_sides, double threshold);
+// Of one, with what of x the equations determine and what they do not, both orthonormal: the rows of the matrix are
 // combinations of the columns of `row_space`, and the columns of `kernel`, which is empty where the matrix has full
 // rank, are what it maps to zero.
 struct Solution {
@@ -23,7 +26,6 @@ struct Solution {
 [[nodiscard]] Solution solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right_hand_side,
                                            double threshold);
 
-[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix,
-                                             std::optional<double> threshold = {});
+[[nodiscard]] Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix);
 
 }  // namespace springnet

@@ -180,10 +180,20 @@ springnet_status deadline(void* context, springnet_deadline* request) {
     return SPRINGNET_OK;
   });
 }
+// The arrays of integrators have this size.
+std::uint32_t event_count(Engine& engine) {
+  const std::uint32_t told = engine.network_info().event_count;
+  if (engine.contact_events().count() != told)
+    throw Error(ErrorKind::simulation,
+                fmt::format("there are {} events now, but {} were told for this revision of the network; please report "
+                            "this",
+                            engine.contact_events().count(), told));
+  return told;
+}
 springnet_status event_values(void* context, const springnet_event_values* request) {
   return outside_of_sweeps(context, "event_values", "events", [&](Engine& engine) {
     const springnet_event_values& events = SPRINGNET_REQUEST(springnet_event_values, request, directions);
-    if (engine.network_info().event_count > 0) require_array(events.values, "values");
+    if (event_count(engine) > 0) require_array(events.values, "values");
     if (SPRINGNET_HAS_FIELD(springnet_event_values, &events, surfaces))
       engine.contact_events().names(events.kinds, events.who, events.surfaces);
     return engine.contact_events().values(checked(events.at), events.values, events.directions);
@@ -194,7 +204,7 @@ springnet_status fire_events(void* context, const springnet_event_firing* reques
     const springnet_event_firing& firing = SPRINGNET_REQUEST(springnet_event_firing, request, fired);
     engine.calls().require_advancing();
     require_finite(firing.time, "time");
-    if (engine.network_info().event_count > 0) require_array(firing.fired, "fired");
+    if (event_count(engine) > 0) require_array(firing.fired, "fired");
     return engine.fire_events(firing.time, engine.calls().created_state(firing.state), firing.fired);
   });
 }

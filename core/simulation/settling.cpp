@@ -279,9 +279,9 @@ void Settling::commit_contact(const ContactNode& node, const Vector3& came) {
   const Vector3 slip = contact.slip_vector(*at_, k, j, vector_at(position, k), vector_at(velocity, k));
   const bool begins = !node.slipping || node.slip_starting;
   if (begins)
-    contact.set_slip(k, node.slip, Contact::Slip::starting);
+    set_slip(k, node.slip, Contact::Slip::starting);
   else if (!before.slides || contact.slip_phase(k) != Contact::Slip::ending)
-    contact.set_slip(k, slip.normalized());
+    set_slip(k, slip.normalized(), Contact::Slip::ongoing);
 }
 
 // A released node starts without normal speed relative to the obstacle: an integration error would make it touch again.

@@ -86,6 +86,7 @@ class Settling {
   void commit_contact(const ContactNode& node, const Vector3& came);
   void part(std::uint32_t node, const ContactSide& side);
   // acceleration, and its rounding: m/s^2.
+  void set_slip(std::uint32_t node, const Vector3& direction, Contact::Slip phase);
   void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);
 
   // ---- pairs of bodies, in settling_pairs.cpp ----

@@ -59,6 +59,12 @@ void Settling::begin_slips(Island& island) const {
     if (slips(island.nodes()[i]) && !island.release_held(i)) island.begin_slip(i);
 }
 
+void Settling::set_slip(std::uint32_t node, const Vector3& direction, Contact::Slip phase) {
+  Contact& contact = model_.contact;
+  if (contact.slip_phase(node) != phase) model_.changed();  // other events end it
+  contact.set_slip(node, direction, phase);
+}
+
 // A slip that is slow and becomes slower is about to end.
 void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, double negligible) {
   if (node.pair >= 0) return find_phase_of_pair(node, acceleration, negligible);
@@ -75,7 +81,7 @@ void Settling::find_phase(const ContactNode& node, const Vector3& acceleration, 
   if (grows < -negligible * speed)
     keep_direction(k);
   else if (!node.slip_starting && speed <= 0.5 * contact.rest_speed())
-    contact.set_slip(k, slip / speed, Contact::Slip::starting);
+    set_slip(k, slip / speed, Contact::Slip::starting);
 }
 
 // Friction keeps the direction in which it ends the whole slip s at one time T: s + T a = 0, with a the acceleration
@@ -88,7 +94,7 @@ void Settling::keep_direction(std::uint32_t k) {
   const Vector3 slip = contact.slip_vector(*at_, k, j, p, v);
   if (slip.isZero(0.0)) return;
   const Vector3 n = contact.normal(*at_, j, p), goes = slip.normalized();
-  const auto keep = [&](const Vector3& direction) { contact.set_slip(k, direction, Contact::Slip::ending); };
+  const auto keep = [&](const Vector3& direction) { set_slip(k, direction, Contact::Slip::ending); };
   keep(goes);
   if (touch.second >= 0 || model_.constraints.coefficient(k, j) >= friction_of_held) return;
   double slows = 0.0;

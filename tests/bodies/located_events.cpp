@@ -281,3 +281,17 @@ TEST_CASE("the reference: bodies that nothing can move may pass each other") {
   CHECK(s.position(free)[1] == doctest::Approx(5.9).epsilon(1e-9));
   CHECK(count_events(s).met == 0);
 }
+
+// How a slip goes on changes the events that end it, and with them the sizes of the integrator's arrays: each change
+// has to be told as a new revision. Blocks of this kind wrote beyond these arrays.
+TEST_CASE("the reference: each change of a slip counts as a change of the network") {
+  Network net;
+  add_block(net, "block", 3, 0.1, {0.013, -0.021, 0.01}, at_rest, 0.02, 0.01, 1500.0, 1.0);
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, 0.1};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -g});
+  Simulation s = simulate(net, reference(1e-6), 0.005);
+  advance(s, 20);
+  CHECK(count_events(s).stuck >= 5);
+}
