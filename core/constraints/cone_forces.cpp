@@ -14,7 +14,8 @@ namespace {
 constexpr int max_newton = 60, max_halvings = 40;
 constexpr double accuracy = 1e-14;     // of resultants, in units of the least forces
 constexpr double greatest = 1e6;       // forces that count as none, in the same units
-constexpr double towards_base = 1e-6;  // weight of the norm beside that of distances from cones
+constexpr double towards_last = 1e-6;  // weight of the change in a round beside that of distances from cones
+constexpr int rounds = 3;              // each leaves as much of what the last one was off
 constexpr double sufficient = 1e-4;    // share of the expected decrease that a step of the search has to reach
 
 // The projection onto the cones, and its derivative times a matrix. Zhou and Chen, J. Nonlinear Convex Anal. 14 (2013),
@@ -33,7 +34,7 @@ class Projection {
       const double mu = cone.coefficient, n = x[cone.first];
       const Eigen::Vector2d t = x.segment<2>(cone.first + 1);
       const double size = t.norm();
-      if (size <= mu * n) continue;
+      if (n >= 0.0 && size <= mu * n) continue;
       if (mu * size <= -n) {
         result.segment<3>(cone.first).setZero();
         continue;
@@ -55,7 +56,7 @@ class Projection {
       const double mu = cone.coefficient, n = x[cone.first];
       const Eigen::Vector2d t = x.segment<2>(cone.first + 1);
       const double size = t.norm();
-      if (size <= mu * n) continue;
+      if (n >= 0.0 && size <= mu * n) continue;
       auto block = rows.middleRows<3>(cone.first);
       if (mu * size <= -n) {
         block.setZero();
@@ -110,6 +111,7 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
                                             const Projection& project) {
   const Eigen::VectorXd d = row_space.transpose() * base;
   const double size = d.norm();
+  if (size == 0.0) return Eigen::VectorXd(Eigen::VectorXd::Zero(base.size()));
   Eigen::VectorXd y = d, x;
   bool is_found = false;
   const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& gradient) {
@@ -137,24 +139,27 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
   return Eigen::VectorXd(x - row_space * gradient);
 }
 
+// Proximal point iteration: Newton's method needs what is not determined to be kept by something.
 Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kernel, const Projection& project) {
   const double size = base.norm();
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(kernel.cols());
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(kernel.cols()), centre = z;
   const auto at = [&](const Eigen::VectorXd& by) -> Eigen::VectorXd { return base + kernel * by; };
   const auto evaluate = [&](const Eigen::VectorXd& by, Eigen::VectorXd& gradient) {
     const Eigen::VectorXd x = at(by), outside = x - project.of(x);
-    gradient = kernel.transpose() * outside + towards_base * by;
-    return 0.5 * outside.squaredNorm() + 0.5 * towards_base * by.squaredNorm();
+    gradient = kernel.transpose() * outside + towards_last * (by - centre);
+    return 0.5 * outside.squaredNorm() + 0.5 * towards_last * (by - centre).squaredNorm();
   };
   const auto second = [&](const Eigen::VectorXd& by, const Eigen::VectorXd&) -> Eigen::MatrixXd {
     Eigen::MatrixXd moved = kernel;
     project.differentiate(at(by), moved);
     Eigen::MatrixXd matrix = kernel.transpose() * (kernel - moved);
-    matrix.diagonal().array() += towards_base;
+    matrix.diagonal().array() += towards_last;
     return matrix;
   };
-  minimise(z, evaluate, second,
-           [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) { return gradient.norm() <= accuracy * size; });
+  for (int round = 0; round < rounds; ++round, centre = z)
+    minimise(z, evaluate, second, [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) {
+      return gradient.norm() <= accuracy * size;
+    });
   return at(z);
 }
 
@@ -176,7 +181,11 @@ Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixX
   if (base.isZero(0.0) || kernel.cols() == 0) return base;
   const Projection project(cones);
   if (const std::optional<Eigen::VectorXd> within = least_within(base, row_space, project)) return *within;
-  return nearest(base, kernel, project);
+  // What lies outside stays; the rest is as small as it can be.
+  const Eigen::VectorXd x = nearest(base, kernel, project), outside = x - project.of(x);
+  const Eigen::VectorXd rest = base - row_space * (row_space.transpose() * outside);
+  if (const std::optional<Eigen::VectorXd> within = least_within(rest, row_space, project)) return *within + outside;
+  return x;
 }
 
 }  // namespace springnet

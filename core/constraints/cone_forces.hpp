@@ -1,5 +1,5 @@
-// Forces of redundant contacts. Faces on faces have more pairs than determine forces: of all forces that give the same
-// motion these are the smallest that press and stay within their friction cones.
+// Forces of redundant contacts. Faces on faces have more pairs than determine forces: of all that keep what touches
+// together these are the smallest that press and stay within their friction cones.
 #pragma once
 
 #include <vector>

@@ -412,8 +412,8 @@ bool Island::resolve_impulses(double negligible) {
   return true;
 }
 
-// Faces on faces have more pairs than forces are determined by: those of solve(), the smallest, may lie outside of
-// cones, though those of relax(), which give the same motion, are inside.
+// Faces on faces have more pairs than forces are determined by: where no forces of the active set fit all cones, those
+// of relax() may still be inside and give the same motion.
 bool Island::solves_as_relaxed() {
   constexpr double same = 1e-6;
   std::vector<Vector3> relaxed;

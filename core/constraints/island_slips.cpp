@@ -187,7 +187,10 @@ bool Island::follow_slips() {
       nodes_[begin[j]].slip = before[j];
     }
     Eigen::VectorXd angles = -least_squares(by_angle, first, singular);
-    if (!angles.allFinite()) break;
+    if (!angles.allFinite()) {
+      evaluate();
+      break;
+    }
     angles *= std::min(1.0, longest / std::max(longest, angles.lpNorm<Eigen::Infinity>()));
     double last = missing;
     for (int halvings = 0; halvings < most_halvings; ++halvings, angles *= 0.5) {

@@ -46,6 +46,11 @@ double share_of_segment(const Vector3& a, const Vector3& e) {
   return length > 0.0 ? std::clamp(-a.dot(e) / length, 0.0, 1.0) : 0.0;
 }
 
+// Whether a distance exceeds another one by rounding at most, m, of an edge of this length.
+bool is_as_near(double distance, double other, double length) {
+  return distance - other <= 16.0 * epsilon * (distance + length);
+}
+
 // A point, as `point` of the four weights, against the segment from node `from` to node `to`. relative: the segment's
 // ends less the point; sign: 1 if the point belongs to the first primitive, else -1.
 void consider_segment(Closest& best, std::size_t point, std::size_t from, std::size_t to, const Vector3& a,
@@ -55,11 +60,15 @@ void consider_segment(Closest& best, std::size_t point, std::size_t from, std::s
   // From the nearer end, so that a point close to it keeps its digits.
   const Vector3 to_segment = t <= 0.5 ? Vector3(a + t * e) : Vector3(b - (1.0 - t) * e);
   const bool is_between = t > 0.0 && t < 1.0;
+  const Closest before = best;
   if (!best.improves(-sign * to_segment)) {
     // Of distances that are equal but for rounding the one beside an end says less of the direction.
-    const bool is_as_near = to_segment.squaredNorm() <= (1.0 + 4.0 * epsilon) * best.squared;
-    if (!is_as_near || !is_between || !best.is_of_ends()) return;
+    if (!is_between || !best.is_of_ends() || !is_as_near(to_segment.norm(), std::sqrt(best.squared), e.norm())) return;
     best.replace(-sign * to_segment);
+  } else if (!is_between && !before.is_of_ends() &&
+             is_as_near(std::sqrt(before.squared), to_segment.norm(), e.norm())) {
+    best = before;
+    return;
   }
   best.weights = {};
   best.weights[point] = sign;

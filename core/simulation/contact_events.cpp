@@ -30,9 +30,11 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
   bool has_friction = false;
   for (const std::int32_t j : touch.surfaces()) {
     if (j < 0) continue;
-    sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j)});
-    if (contact.braced(k)) sources_.back().offset = beyond_brace(sources_.back(), at);
-    if (!contact.braced(k) && is_pushed_cluster(k)) sources_.back().offset = beyond_release(sources_.back(), at);
+    sources_.push_back({Kind::release, k, static_cast<std::uint32_t>(j), -on_cones()});
+    if (contact.braced(k))
+      sources_.back().offset = beyond_brace(sources_.back(), at);
+    else if (is_pushed_cluster(k))
+      sources_.back().offset += beyond_release(sources_.back(), at);
     if (touch.slides && !contact.obstacles()[static_cast<std::size_t>(j)].is_plane())
       sources_.push_back({Kind::seam, k, static_cast<std::uint32_t>(j)});
     const double mu = model_.constraints.coefficient(k, static_cast<std::size_t>(j));
@@ -43,7 +45,7 @@ void ContactEvents::add_sources_of(std::uint32_t k, double tolerance, const Plac
     const auto j = static_cast<std::uint32_t>(touch.surface);
     if (!touch.slides) {
       sources_.push_back({Kind::slip, k, j});
-      sources_.back().offset = beyond_cone(sources_.back(), at);
+      sources_.back().offset = on_cones() + beyond_cone(sources_.back(), at);
     } else {
       const Contact::Slip phase = contact.slip_phase(k);
       sources_.push_back({Kind::rest, k, j});  // steps may go past the end of a slip

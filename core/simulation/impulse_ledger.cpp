@@ -117,8 +117,12 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& bef
   const bool surfaces_exist = !model_.contact.obstacles().empty();
   if (!surfaces_exist && !model_.contact.prescribed().any()) return SPRINGNET_OK;
   using Kind = ContactChange::Kind;
+  // What a step decides goes on as it is: other events may end a slip that was about to begin or to end.
+  bool is_phase_left = false;
+  for (std::uint32_t k = 0; k < model_.node_count() && surfaces_exist && done_.decided; ++k)
+    is_phase_left = is_phase_left || model_.contact.slip_phase(k) != Contact::Slip::ongoing;
   const std::vector<ContactChange> changes = model_.contact.commit_sweep(done_.decided);
-  if (!changes.empty()) ++model_.revision;
+  if (!changes.empty() || is_phase_left) ++model_.revision;
   const auto by_node = [](const ContactChange& a, const ContactChange& b) { return a.node < b.node; };
   std::vector<ContactChange> sorted = changes;
   std::stable_sort(sorted.begin(), sorted.end(), by_node);

@@ -27,7 +27,7 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
       sources_.push_back({kind, node, no_surface, 0.0, static_cast<std::int32_t>(i)});
     };
     add(Kind::release);
-    sources_.back().offset = beyond_release(sources_.back(), at);
+    sources_.back().offset = beyond_release(sources_.back(), at) - on_cones();
     const double mu = coefficient_of(bodies.law_of(touch.kind, touch.pair).friction);
     if (!(mu > 0.0) || (touch.sticks && !std::isfinite(mu))) continue;
     if (touch.sticks) {
@@ -41,17 +41,20 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
   }
 }
 
-// Of faces on faces, and of the feet of a rigid body, the smallest forces may pull a little where others would not;
-// with this offset it is released once they pull twice as much.
+// Of faces on faces, and of the feet of a rigid body, forces may pull a little where no others fit; with this offset it
+// is released once they pull twice as much.
 double ContactEvents::beyond_release(const Source& source, AtCommitted& at) const {
-  const double least = -on_cones();
+  Source plain = source;
+  plain.offset = 0.0;
   double pulling = 0.0;
-  if (value(source, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return least;
-  return -2.0 * pulling - rounding_of_force * model_.scales.force + least;
+  if (value(plain, at(), pulling) != SPRINGNET_OK || pulling < 0.0) return 0.0;
+  return -2.0 * pulling - rounding_of_force * model_.scales.force;
 }
 
 double ContactEvents::on_cones() const {
-  return model_.constraints.bodies().touching().size() > 1 ? 2.0 * Scales::min_force * model_.scales.force : 0.0;
+  const BodyContacts& bodies = model_.constraints.bodies();
+  if (!bodies.located() || bodies.touching().empty()) return 0.0;
+  return 2.0 * Scales::min_force * model_.scales.force;
 }
 
 springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& reactions, double& value) const {

@@ -85,8 +85,8 @@ class Settling {
   // came: m/s, its velocity before the impulses.
   void commit_contact(const ContactNode& node, const Vector3& came);
   void part(std::uint32_t node, const ContactSide& side);
-  // acceleration, and its rounding: m/s^2.
   void set_slip(std::uint32_t node, const Vector3& direction, Contact::Slip phase);
+  // acceleration, and its rounding: m/s^2.
   void find_phase(const ContactNode& node, const Vector3& acceleration, double negligible);
 
   // ---- pairs of bodies, in settling_pairs.cpp ----

@@ -104,19 +104,22 @@ TEST_CASE("distances of each region are those of the drawing") {
   CHECK(edges({1, 2, 2}, {1, 2, 2}, {1, 0, 2}, {1, 0, 2}).distance == 2.0);              // both are
 }
 
-// Edges above each other, one of which is longer by less than distances resolve: the direction is perpendicular to
-// both, so that the ends of neither are nearer than the distance says.
+// Edges above each other, one of which is longer by less than distances resolve, in any direction: the direction is
+// perpendicular to both, so that the ends of neither are nearer than the distance says.
 TEST_CASE("the direction between parallel edges is perpendicular to them, also beside their ends") {
-  const Vector3 u = Vector3(1, 1, 0).normalized(), up(0, 0, 0.01);
-  for (const double longer : {1e-13, 2e-12, 1e-11, 1e-10}) {
-    CAPTURE(longer);
-    const std::array<Vector3, 4> x{-longer * u, (0.1 + longer) * u, up, 0.1 * u + up};
+  PairDice dice(9);
+  double worst = 0.0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double longer = std::array{1e-13, 2e-12, 1e-11, 1e-10}[static_cast<std::size_t>(trial % 4)];
+    const Vector3 from = dice.vector(1.0), u = dice.vector(1.0).normalized(), up = 0.01 * u.unitOrthogonal();
+    const std::array<Vector3, 4> x{from - longer * u, from + (0.1 + longer) * u, from + up, from + 0.1 * u + up};
     for (const std::array<Vector3, 4>& each : {x, std::array<Vector3, 4>{x[2], x[3], x[0], x[1]}}) {
       const Separation found = separation(PairKind::edge_edge, each);
-      CHECK(found.distance == doctest::Approx(0.01).epsilon(1e-14));
-      CHECK(std::abs(found.direction.dot(u)) <= 1e-15);
+      // The edges themselves are off by rounding of positions of order 1, of their length.
+      worst = std::max(worst, std::abs(found.direction.dot(u)));
     }
   }
+  CHECK(worst <= 1e-14);
 }
 
 TEST_CASE("weights and direction are the derivative of the distance") {
