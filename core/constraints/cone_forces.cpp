@@ -15,7 +15,7 @@ constexpr int max_newton = 60, max_halvings = 40;
 constexpr double accuracy = 1e-14;     // of resultants, in units of the least forces
 constexpr double greatest = 1e6;       // forces that count as none, in the same units
 constexpr double towards_last = 1e-6;  // weight of the change in a round beside that of distances from cones
-constexpr int rounds = 3;              // each leaves as much of what the last one was off
+constexpr int most_rounds = 3;         // each leaves as much of what the last one was off
 constexpr double sufficient = 1e-4;    // share of the expected decrease that a step of the search has to reach
 
 // The projection onto the cones, and its derivative times a matrix. Zhou and Chen, J. Nonlinear Convex Anal. 14 (2013),
@@ -140,7 +140,8 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
 }
 
 // Proximal point iteration: Newton's method needs what is not determined to be kept by something.
-Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kernel, const Projection& project) {
+Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kernel, const Projection& project,
+                        int rounds) {
   const double size = base.norm();
   Eigen::VectorXd z = Eigen::VectorXd::Zero(kernel.cols()), centre = z;
   const auto at = [&](const Eigen::VectorXd& by) -> Eigen::VectorXd { return base + kernel * by; };
@@ -181,11 +182,12 @@ Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixX
   if (base.isZero(0.0) || kernel.cols() == 0) return base;
   const Projection project(cones);
   if (const std::optional<Eigen::VectorXd> within = least_within(base, row_space, project)) return *within;
-  // What lies outside stays; the rest is as small as it can be.
-  const Eigen::VectorXd x = nearest(base, kernel, project), outside = x - project.of(x);
+  // What lies outside stays; the rest is as small as it can be. Where that is not found, the weight of the first round
+  // makes the forces unique.
+  const Eigen::VectorXd x = nearest(base, kernel, project, most_rounds), outside = x - project.of(x);
   const Eigen::VectorXd rest = base - row_space * (row_space.transpose() * outside);
   if (const std::optional<Eigen::VectorXd> within = least_within(rest, row_space, project)) return *within + outside;
-  return x;
+  return nearest(base, kernel, project, 1);
 }
 
 }  // namespace springnet
