@@ -115,9 +115,9 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
   Eigen::VectorXd y = d, x;
   bool is_found = false;
   const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& gradient) {
-    const Eigen::VectorXd projected = project.of(row_space * at);
-    gradient = row_space.transpose() * projected - d;
-    return 0.5 * projected.squaredNorm() - d.dot(at);
+    x = project.of(row_space * at);
+    gradient = row_space.transpose() * x - d;
+    return 0.5 * x.squaredNorm() - d.dot(at);
   };
   const auto second = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) -> Eigen::MatrixXd {
     Eigen::MatrixXd moved = row_space;
@@ -127,7 +127,6 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
     return matrix;
   };
   minimise(y, evaluate, second, [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) {
-    x = project.of(row_space * at);
     is_found = gradient.norm() <= accuracy * size;
     // For each x in the cones with C x = d it holds that d.y = x.(C^T y) <= |x| |projection|.
     return is_found || d.dot(at) > greatest * size * x.norm();
@@ -135,7 +134,6 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
   Eigen::VectorXd gradient;
   evaluate(y, gradient);
   if (!is_found && !(gradient.norm() <= 1e-10 * size)) return std::nullopt;
-  x = project.of(row_space * y);
   return Eigen::VectorXd(x - row_space * gradient);
 }
 

@@ -18,9 +18,9 @@ struct ForceCone {
 // N; below zero by how far the unknowns lie outside of the cone that is worst.
 [[nodiscard]] double margin_in_cones(const Eigen::VectorXd& x, const std::vector<ForceCone>& cones);
 
-// Of all x = base + kernel z the one of least norm that lies in all cones; if none does, one that lies nearly nearest
-// to them, by the sum of squares. base is orthogonal to the kernel, whose columns are orthonormal, as are those of
-// row_space, which spans the rest. Unknowns without a cone may have either sign.
+// Of all x = base + kernel z the one of least norm that lies in all cones; if none does, of those that lie nearest to
+// them, by the sum of squares, the least. base is orthogonal to the kernel, whose columns are orthonormal, as are those
+// of row_space, which spans the rest. Unknowns without a cone may have either sign.
 [[nodiscard]] Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
                                              const Eigen::MatrixXd& kernel, const std::vector<ForceCone>& cones);
 

@@ -117,7 +117,7 @@ springnet_status ImpulseLedger::commit(const Sweep::Done& done, const State& bef
   const bool surfaces_exist = !model_.contact.obstacles().empty();
   if (!surfaces_exist && !model_.contact.prescribed().any()) return SPRINGNET_OK;
   using Kind = ContactChange::Kind;
-  // What a step decides goes on as it is: other events may end a slip that was about to begin or to end.
+  // After a step decides all slips are ongoing ones, which other events end than those that were beginning or ending.
   bool is_phase_left = false;
   for (std::uint32_t k = 0; k < model_.node_count() && surfaces_exist && done_.decided; ++k)
     is_phase_left = is_phase_left || model_.contact.slip_phase(k) != Contact::Slip::ongoing;

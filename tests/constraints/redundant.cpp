@@ -1,6 +1,8 @@
 // Contacts with more forces than their motion determines, and slips that begin beside others.
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -132,7 +134,6 @@ TEST_CASE("where no forces lie in all cones, those that are found lie nearest to
     }
     const double distance = (on - into_cones(on, problem.cones)).norm();
     REQUIRE(distance > 1e-3);
-    // The norm of the forces has a weight of 1e-6 beside the square of the distance.
     CHECK((x - into_cones(x, problem.cones)).norm() == doctest::Approx(distance).epsilon(1e-3));
     CHECK(margin_in_cones(x, problem.cones) < 0.0);
   }
