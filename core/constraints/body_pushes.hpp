@@ -27,7 +27,16 @@ class BodyPushes {
 
   // For linear systems: pairs that press, and stick, as they were at the end of the last sweep.
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
-  void set_rows(std::vector<ConstraintRow> rows) { rows_ = std::move(rows); }
+  // Of pairs that slide, across their slips: friction turns with these.
+  struct Drag {
+    ConstraintRow row;
+    double damping;  // N s/m
+  };
+  [[nodiscard]] const std::vector<Drag>& drags() const noexcept { return drags_; }
+  void set_rows(std::vector<ConstraintRow> rows, std::vector<Drag> drags = {}) {
+    rows_ = std::move(rows);
+    drags_ = std::move(drags);
+  }
 
   // With room for so many nodes, and no pushes.
   void resize(std::size_t node_count) {
@@ -43,6 +52,7 @@ class BodyPushes {
     }
     nodes_.clear();
     rows_.clear();
+    drags_.clear();
     count_ = 0;
   }
   // Nodes of pairs stay among those pushed, without an impulse, too.
@@ -74,6 +84,7 @@ class BodyPushes {
   std::vector<std::uint8_t> pushed_;  // [node]
   std::vector<std::uint32_t> nodes_;
   std::vector<ConstraintRow> rows_;
+  std::vector<Drag> drags_;
   std::uint32_t count_ = 0;
 };
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "constraints/pair_newton.hpp"
 #include "constraints/vectors.hpp"
 
 namespace springnet {
@@ -17,15 +19,14 @@ Vector3 relative(const PairRow& row, const springnet_vectors& values) {
   return sum;
 }
 
-namespace {
-
-// The obstacle that keeps a node from moving along the impulse of a row; null: none.
 const OnObstacle* held_back(const PairRow& row, std::size_t i, const MovedNodes& nodes) {
   if (nodes.on_obstacles == nullptr) return nullptr;
   const auto found = nodes.on_obstacles->find(row.nodes[i]);
   if (found == nodes.on_obstacles->end() || row.weights[i] * row.normal.dot(found->second.normal) > 0.0) return nullptr;
   return &found->second;
 }
+
+namespace {
 
 // At least the greatest mobility of a node in any direction, 1/kg.
 double norm_of(std::uint32_t node, const MovedNodes& nodes) {
@@ -113,7 +114,7 @@ namespace {
 
 // The impulse of a row whose nodes turn with rigid bodies: friction then changes what presses, and the other way round,
 // so that both are found together. rate: m/s, of the pair. missing: m/s, along the normal.
-Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing, double most_friction) {
+Vector3 coupled_impulse(PairRow& row, Vector3 rate, double missing, double most_friction) {
   constexpr int most = 50;
   constexpr double accuracy = 1e-12;
   const double friction = std::min(row.friction, most_friction);
@@ -133,6 +134,7 @@ Vector3 coupled_impulse(const PairRow& row, Vector3 rate, double missing, double
       Vector3 across = friction > 0.0 && along > 0.0 ? Vector3(now - slip / row.across) : Vector3(Vector3::Zero());
       across -= row.normal * row.normal.dot(across);
       const double size = across.norm(), limit = along > 0.0 ? friction * along : 0.0;
+      row.slips = size > limit;
       if (size > limit) across *= limit / size;
       change(across - now);
     }
@@ -148,18 +150,22 @@ constexpr int patience_with_coupled = 300;
 // such pairs is at most 1, as that of rigid bodies on obstacles.
 constexpr int patience_with_held = 800;
 
-// One Gauss-Seidel iteration over all rows. Returns the greatest change of a gap or of a slip, m.
-double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, int iteration) {
+// One Gauss-Seidel iteration over all rows. changes: [row] m, of a gap or of a slip. Returns the greatest of them.
+double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length, int iteration,
+             std::vector<double>& changes) {
   const bool together = iteration >= patience_with_coupled;
   const double most_friction = iteration >= patience_with_held ? 1.0 : std::numeric_limits<double>::infinity();
   double greatest = 0.0;
-  for (PairRow& row : rows) {
+  changes.assign(rows.size(), 0.0);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    PairRow& row = rows[r];
     if (row.is_done || row.is_blocked) continue;
     const Vector3 rate = relative(row, nodes.velocity) - row.ground;
     const double missing = row.by_rate ? -(row.value + row.normal.dot(rate))
                                        : -(row.value + row.normal.dot(relative(row, nodes.position))) / row.lever;
     const double before = row.normal.dot(row.impulse), along = std::max(row.least, before + missing / row.mobility);
     Vector3 impulse = along * row.normal;
+    if (!row.keeps_across) row.slips = !(row.friction > 0.0 && along > 0.0);
     if (together && !row.coupled.isZero(0.0)) {
       impulse = coupled_impulse(row, rate, missing, most_friction);
     } else if (row.keeps_across && along > 0.0) {
@@ -170,6 +176,7 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length,
       Vector3 across = row.impulse - row.normal * before - slip / row.across;
       across -= row.normal * row.normal.dot(across);
       const double most = row.friction * along, size = across.norm();
+      row.slips = size > most;
       impulse += size > most ? Vector3(across * (most / size)) : across;
     }
     const Vector3 change = impulse - row.impulse;
@@ -178,9 +185,24 @@ double relax(std::vector<PairRow>& rows, const MovedNodes& nodes, double length,
     apply(row, change, nodes);
     const double moves = row.by_rate ? length : row.lever;
     const double answer = row.coupled.isZero(0.0) ? row.mobility : row.across;
-    greatest = std::max(greatest, change.norm() * answer * moves);
+    changes[r] = change.norm() * answer * moves;
+    greatest = std::max(greatest, changes[r]);
   }
   return greatest;
+}
+
+// m, of gaps: no iteration gets nearer.
+double rounding_of(const std::vector<PairRow>& rows, const MovedNodes& nodes) {
+  constexpr double share = 64.0 * std::numeric_limits<double>::epsilon();
+  double greatest = 0.0;
+  for (const PairRow& row : rows) {
+    if (row.by_rate) continue;
+    for (int i = 0; i < row.count; ++i) {
+      const Vector3 p = vector_at(nodes.position, row.nodes[static_cast<std::size_t>(i)]);
+      greatest = std::max(greatest, p.cwiseAbs().maxCoeff());
+    }
+  }
+  return share * greatest;
 }
 
 }  // namespace
@@ -189,12 +211,24 @@ PairSolution solve(std::vector<PairRow>& rows, const MovedNodes& nodes, double l
   PairSolution found;
   std::vector<Vector3> before(rows.size()), along(rows.size(), Vector3::Zero());
   double last = 0.0;  // square of the step before
+  std::vector<double> changes;
+  std::optional<PairNewton> newton;
+  double wanted = std::max(accuracy.wanted, rounding_of(rows, nodes));
   for (; found.iterations < accuracy.most; ++found.iterations) {
     if (found.iterations == patience_with_coupled || found.iterations == patience_with_held) last = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r) before[r] = rows[r].impulse;
-    found.residual = relax(rows, nodes, length, found.iterations);
-    if (found.residual <= (found.iterations < accuracy.patience ? accuracy.wanted : accuracy.enough)) break;
+    found.residual = relax(rows, nodes, length, found.iterations, changes);
+    if (found.iterations == 0)
+      wanted = std::max(wanted, std::min(accuracy.enough, accuracy.share_of_first * found.residual));
+    if (found.residual <= (found.iterations < accuracy.patience ? wanted : std::max(wanted, accuracy.enough))) break;
     if (found.iterations + 1 == accuracy.most) continue;  // the last one has to be in the cones
+    if (found.iterations >= accuracy.before_newton && found.iterations < patience_with_held) {
+      if (!newton) newton.emplace(rows, nodes, length);
+      if (newton->step(changes, wanted)) {
+        last = 0.0;
+        continue;
+      }
+    }
     // Steps add up along conjugate directions while they become shorter.
     double square = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r)

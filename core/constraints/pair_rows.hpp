@@ -34,6 +34,7 @@ struct PairRow {
   bool by_rate = false;
   bool is_done = false;       // keeps its impulse
   bool is_blocked = false;    // likewise, as long as obstacles hold all of its nodes
+  bool slips = false;         // friction does not stop it: as the last iteration found it
   bool keeps_across = false;  // keeps the part of its impulse across the normal, while it presses
   double least = 0.0;         // N s, along the normal: what it has given before
   double value = 0.0;
@@ -74,6 +75,8 @@ struct MovedNodes {
 };
 
 [[nodiscard]] Vector3 relative(const PairRow& row, const springnet_vectors& values);
+// The obstacle that keeps the i-th node of a row from moving along the impulse of that row; null: none.
+[[nodiscard]] const OnObstacle* held_back(const PairRow& row, std::size_t i, const MovedNodes& nodes);
 // Sets row.mobility and across. False if none of its nodes can move.
 [[nodiscard]] bool set_mobility(PairRow& row, const MovedNodes& nodes);
 // Changes the velocity of a node, and of those that it is rigidly connected to, by an impulse (N s), and positions by
@@ -87,10 +90,13 @@ struct PairSolution {
   int iterations = 0;
 };
 // How far iterations go: until the residual is at most `wanted`, or after `patience` of them `enough`, m; no more than
-// `most`.
+// `most`. Where the problem will change again, a share of its first residual may be wanted, too. From
+// `before_newton` iterations on Newton's method takes part.
 struct PairAccuracy {
   double wanted, enough;
   int patience, most;
+  double share_of_first = 0.0;
+  int before_newton = 60;
 };
 // Changes the impulses of all rows, from those that they have and that the nodes have moved with. length: of the step,
 // s.

@@ -91,6 +91,9 @@ springnet_status LinearModel::add_constraints(const springnet_evaluation& at, do
   if (constraints.bodies().located())
     if (const springnet_status status = add_drags(known()); status != SPRINGNET_OK) return status;
   if (constraints.rows().empty()) return SPRINGNET_OK;
+  // Impulses of a step turn friction, whatever the damping: it does not limit explicit steps.
+  if (of_step > 0.0)
+    for (const BodyPushes::Drag& drag : constraints.pushes().drags()) blocks_.add_drag(drag.row, drag.damping);
   return find_response(at, of_step, known(), response_, [this](const ConstraintRow& row, const Matrix3& derivative) {
     blocks_.add_to_velocity_block(row.first, derivative);
   });
@@ -458,7 +461,7 @@ springnet_status LinearModel::rows(springnet_system_rows& out) {
   low_rank_nodes_.clear();
   low_rank_g_.clear();
   low_rank_w_.clear();
-  for (const layers::BlockSystem::RankOne& term : system_.enclosures()) {
+  for (const layers::BlockSystem::RankOne& term : system_.terms()) {
     for (std::size_t i = 0; i < term.nodes.size(); ++i) {
       low_rank_nodes_.push_back(term.nodes[i]);
       low_rank_g_.insert(low_rank_g_.end(), term.g[i].data(), term.g[i].data() + 3);

@@ -154,8 +154,9 @@ void LocalForceModel::linearise(const Handle& handle) {
     struct Aside {
       BodyPushes& of;
       std::vector<ConstraintRow> rows;
-      ~Aside() { of.set_rows(std::move(rows)); }
-    } const aside{pushes, pushes.rows()};
+      std::vector<BodyPushes::Drag> drags;
+      ~Aside() { of.set_rows(std::move(rows), std::move(drags)); }
+    } const aside{pushes, pushes.rows(), pushes.drags()};
     pushes.set_rows({});
     check(linear_.linearise(at, 0.0));
   }

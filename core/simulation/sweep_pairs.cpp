@@ -10,6 +10,7 @@
 
 #include <springnet/error.hpp>
 
+#include "constraints/independent_rows.hpp"
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
@@ -24,8 +25,13 @@ constexpr double crossing_share = 1e-3;  // of the thickness: nearer than that, 
 constexpr double deep = 0.5;             // of the thickness: what slides over a border is hardly nearer than that
 // Target of the iterations, relative to that at a commit, because forces have to settle; after `patience` iterations
 // the tolerance of gaps is enough.
-constexpr double sweep_accuracy = 1e-3;
+constexpr double sweep_accuracy = 1e-3, share_of_first = 1e-4;
+constexpr int before_newton = 10;
 constexpr int patience = 100;
+// In linear systems: more drags take longer than what they save of sweeps, and stiffer ones, in units of the inertia of
+// the pair, hold it as well.
+constexpr std::size_t most_drags = 200;
+constexpr double stiffest_drag = 1e4;
 // Friction on faces that are on faces is not unique, and its cone couples it to what presses: sweeps may carry it
 // around for ever. After so many sweeps of a step, of newton and of the other rules, it follows by a share that falls
 // to zero, and then keeps its impulses.
@@ -36,13 +42,14 @@ constexpr double failed_gap = 300.0;
 
 constexpr double little_slip = 1e-4;  // of the thickness, within a step: of friction that was held
 
-// Friction at less than this share of its limit does not slip.
-constexpr double inside_cone = 1.0 - 1e-9;
+// Friction that iterations have not just decided: at less than this share of its limit it does not slip.
+constexpr double inside_cone = 1.0 - 1e-6;
 
 bool presses(const PairRow& row) { return row.normal.dot(row.impulse) > 0.0; }
-bool sticks(const PairRow& row) {
+bool sticks(const PairRow& row) { return row.friction > 0.0 && !row.slips; }
+bool is_within_cone(const PairRow& row) {
   const double along = row.normal.dot(row.impulse);
-  return row.friction > 0.0 && (row.impulse - along * row.normal).norm() < inside_cone * row.friction * along;
+  return (row.impulse - along * row.normal).norm() < inside_cone * row.friction * along;
 }
 
 double weight_of(const springnet_sweep& sweep) { return sweep.time_constant * (sweep.theta > 0.0 ? sweep.theta : 1.0); }
@@ -72,9 +79,10 @@ void SweepPairs::begin_step() {
     PairRow& row = rows_.back();
     const double along = row.normal.dot(touch.guess);
     row.impulse = model_.step_length * (touch.guess + (std::max(0.0, along) - along) * row.normal);
+    row.slips = !is_within_cone(row);
   }
   store_pushes();
-  store_rows();
+  store_rows(model_.state.view.velocity, model_.step_length);
 }
 
 void SweepPairs::add(proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& met) {
@@ -241,23 +249,41 @@ void SweepPairs::store_pushes() {
   }
 }
 
-void SweepPairs::store_rows() {
+void SweepPairs::store_rows(const springnet_vectors& velocity, double weight) {
   std::vector<ConstraintRow> rows;
+  std::vector<BodyPushes::Drag> drags;
   for (const PairRow& row : rows_) {
     if (!presses(row) || row.is_blocked) continue;
-    std::array<std::uint32_t, 4> nodes{ConstraintRow::no_node, ConstraintRow::no_node, ConstraintRow::no_node,
-                                       ConstraintRow::no_node};
-    std::copy_n(row.nodes.begin(), row.count, nodes.begin());
-    const auto add_row = [&](const Vector3& direction) {
-      rows.push_back({nodes[0], nodes[1], direction, -1, nodes[2], nodes[3], row.weights, true});
+    const auto along = [&row](const Vector3& direction) {
+      ConstraintRow result{row.nodes[0], ConstraintRow::no_node, direction};
+      if (row.count > 1) result.second = row.nodes[1];
+      if (row.count > 2) result.third = row.nodes[2];
+      if (row.count > 3) result.fourth = row.nodes[3];
+      result.weights = row.weights;
+      result.is_pair = true;
+      return result;
     };
-    add_row(row.normal);
-    if (!sticks(row) || friction_share_ == 0.0) continue;
-    const Vector3 across = row.normal.unitOrthogonal();
-    add_row(across);
-    add_row(row.normal.cross(across));
+    rows.push_back(along(row.normal));
+    if (!(row.friction > 0.0) || friction_share_ == 0.0) continue;
+    if (!row.slips) {
+      const Vector3 across = row.normal.unitOrthogonal();
+      rows.push_back(along(across));
+      rows.push_back(along(row.normal.cross(across)));
+      continue;
+    }
+    const Vector3 friction = row.impulse - row.normal * row.normal.dot(row.impulse);
+    Vector3 slip = relative(row, velocity) - row.ground;
+    slip -= row.normal * row.normal.dot(slip);
+    // Not before the first sweep of a step has found the slip and its mobility.
+    if (!(row.across > 0.0) || friction.isZero(0.0)) continue;
+    const double damping = std::min(friction.norm() / slip.norm(), stiffest_drag / row.across) / weight;
+    drags.push_back({along(row.normal.cross(friction.normalized())), damping});
   }
-  model_.constraints.pushes().set_rows(std::move(rows));
+  if (drags.size() > most_drags) {
+    std::stable_sort(drags.begin(), drags.end(), [](const auto& a, const auto& b) { return a.damping > b.damping; });
+    drags.resize(most_drags);
+  }
+  model_.constraints.pushes().set_rows(independent_rows(std::move(rows), mobility_), std::move(drags));
 }
 
 void SweepPairs::push(const springnet_sweep& sweep) {
@@ -406,13 +432,15 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
     }
     changed = true;
     push(sweep);
-    find_impulses(nodes, weight, {sweep_accuracy * tolerance.accuracy, tolerance.gap, patience, most_pair_iterations});
+    find_impulses(nodes, weight,
+                  {sweep_accuracy * tolerance.accuracy, tolerance.gap, patience, most_pair_iterations,
+                   model_.rigid.any() ? 0.0 : share_of_first, before_newton});
     store_pushes();
   }
   finish();
   if (changed) keep_lengths(sweep, *at);
   if (!all_done) find(sweep);  // for the next one
-  store_rows();
+  store_rows(sweep.next_velocity, weight);
   if (sweep.constraint_force.x == nullptr) return;
   const BodyPushes& pushes = model_.constraints.pushes();
   for (const std::uint32_t k : pushes.nodes()) {
@@ -428,7 +456,7 @@ void SweepPairs::note_slips() {
   if (friction_share_ > 0.0) return;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const PairRow& row = rows_[r];
-    if (!presses(row) || !sticks(row) || row.is_blocked) continue;
+    if (!presses(row) || !is_within_cone(row) || row.is_blocked) continue;
     const Vector3 rate = relative(row, model_.state.view.velocity);
     const double way = length_ * (rate - row.normal * row.normal.dot(rate)).norm();
     if (way <= little_slip * contacts_[r].thickness) continue;

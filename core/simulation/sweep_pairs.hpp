@@ -63,7 +63,8 @@ class SweepPairs {
   // Gives nodes the impulses that the rows have now.
   void push(const springnet_sweep& sweep);
   void store_pushes();
-  void store_rows();  // for linear systems
+  // For linear systems. velocity: of the outputs; weight: theta h, s.
+  void store_rows(const springnet_vectors& velocity, double weight);
   [[nodiscard]] bool is_finite(const springnet_sweep& sweep) const;
   void find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy);
   void add_obstacles(const springnet_sweep& sweep, const Placement& at);

@@ -64,7 +64,9 @@ void BlockSystem::assemble(Linearisation& derivatives, const SystemWeights& weig
       if (constrained_[other] == 0) block(find(k, other)) -= own;
     }
   }
-  set_enclosures(derivatives, weights);
+  terms_.clear();
+  add_enclosures(derivatives, weights);
+  add_drags(derivatives, weights);
   measure();
 }
 
@@ -106,27 +108,41 @@ void BlockSystem::assemble_row(std::uint32_t k, const Linearisation& derivatives
   block(own_[k]) += own;
 }
 
-void BlockSystem::set_enclosures(const Linearisation& derivatives, const SystemWeights& weights) {
-  enclosures_.clear();
+void BlockSystem::add_enclosures(const Linearisation& derivatives, const SystemWeights& weights) {
   if (layout_.elements().live_enclosures() == 0) return;
   std::vector<std::uint32_t> index(derivatives.elements().vector_count(), 0xffffffffu);
   derivatives.elements().for_each_vector(
       weights.velocity, weights.position,
       [&](std::size_t enclosure, std::uint32_t node, const Vector3& gradient, const Vector3& weight) {
         if (index[enclosure] == 0xffffffffu) {
-          index[enclosure] = static_cast<std::uint32_t>(enclosures_.size());
-          enclosures_.emplace_back();
-          enclosures_.back().stiffness =
+          index[enclosure] = static_cast<std::uint32_t>(terms_.size());
+          terms_.emplace_back();
+          terms_.back().stiffness =
               derivatives.elements().vector_stiffness(enclosure, weights.velocity, weights.position);
         }
         if (constrained_[node] != 0) return;
-        RankOne& term = enclosures_[index[enclosure]];
+        RankOne& term = terms_[index[enclosure]];
         const Block by_force = mass_[node] * derivatives.by_force(node);
         const bool plain = (by_force - Block::Identity()).cwiseAbs().maxCoeff() <= point_mass_rounding;
         term.nodes.push_back(node);
         term.g.push_back(plain ? gradient : Vector3(by_force * gradient));
         term.w.push_back(weight);
       });
+}
+
+void BlockSystem::add_drags(const Linearisation& derivatives, const SystemWeights& weights) {
+  for (const Linearisation::Drag& drag : derivatives.drags()) {
+    RankOne term;
+    term.stiffness = weights.velocity * drag.damping;
+    drag.row.for_each_end([&](std::size_t, std::uint32_t node, double weight) {
+      if (constrained_[node] != 0) return;
+      const Vector3 along = weight * drag.row.direction;
+      term.nodes.push_back(node);
+      term.g.push_back(mass_[node] * derivatives.by_force(node) * along);
+      term.w.push_back(term.stiffness * along);
+    });
+    if (!term.nodes.empty()) terms_.push_back(std::move(term));
+  }
 }
 
 void BlockSystem::measure() {
@@ -140,7 +156,7 @@ void BlockSystem::measure() {
       asymmetric += pair * (block(b) - block(transposed_[b]).transpose()).squaredNorm();
     }
   }
-  for (const RankOne& term : enclosures_) {
+  for (const RankOne& term : terms_) {
     double gg = 0.0, ww = 0.0, gw = 0.0;
     for (std::size_t i = 0; i < term.nodes.size(); ++i) {
       gg += term.g[i].squaredNorm();

@@ -1,6 +1,6 @@
 // The matrix of an implicit step, row by row: with A = (1 + shift) I - velocity da/dv - position da/dp,
 //
-//   S = M A + sum over enclosures of g w^T
+//   S = M A + sum over enclosures and drags of g w^T
 //
 // in blocks of 3 x 3 numbers. M: the masses, so that S is symmetric for the most part where forces have a potential
 // and neurons are point masses. Fixed and held nodes have zero rows and columns but for their own block. The pattern,
@@ -43,20 +43,21 @@ class BlockSystem {
   // |S - S^T| / |S|, Frobenius norms.
   [[nodiscard]] double asymmetry() const noexcept { return asymmetry_; }
 
-  // The rank-one terms, one for each live enclosure. Vectors are [place].
+  // The rank-one terms, one for each live enclosure and each drag. Vectors are [place].
   struct RankOne {
     std::vector<std::uint32_t> nodes;
     std::vector<Vector3> g, w;
-    double stiffness = 0.0;  // c in w = c g + ..., kg m^-4
+    double stiffness = 0.0;  // c in w = c g + ..., kg m^-4 of an enclosure, kg of a drag
   };
-  [[nodiscard]] const std::vector<RankOne>& enclosures() const noexcept { return enclosures_; }
+  [[nodiscard]] const std::vector<RankOne>& terms() const noexcept { return terms_; }
 
  private:
   using Columns = Eigen::Matrix<double, 3, 3>;  // as blocks are stored
   void make_pattern(Linearisation& derivatives);
   [[nodiscard]] std::uint32_t find(std::uint32_t row, std::uint32_t column) const noexcept;
   void assemble_row(std::uint32_t node, const Linearisation& derivatives, const SystemWeights& weights);
-  void set_enclosures(const Linearisation& derivatives, const SystemWeights& weights);
+  void add_enclosures(const Linearisation& derivatives, const SystemWeights& weights);
+  void add_drags(const Linearisation& derivatives, const SystemWeights& weights);
   void measure();
   [[nodiscard]] Eigen::Map<Columns> block(std::size_t index) { return Eigen::Map<Columns>(values_.data() + 9 * index); }
   [[nodiscard]] Eigen::Map<const Columns> block(std::size_t index) const {
@@ -74,7 +75,7 @@ class BlockSystem {
   std::vector<std::uint32_t> spring_places_;   // [incident]
   std::vector<std::uint32_t> element_places_;  // [block of the elements' rows]
   std::vector<double> values_;
-  std::vector<RankOne> enclosures_;
+  std::vector<RankOne> terms_;
   double asymmetry_ = 0.0;
 };
 

@@ -14,9 +14,16 @@ namespace {
 
 // From this many blocks on threads pay off.
 constexpr std::size_t blocks_worth_threads = 20000;
-// Enclosures beyond this many are left to the other parts of the preconditioner.
+// Rank-one terms beyond this many are left to the other parts of the preconditioner.
 constexpr std::size_t max_terms = 48;
 constexpr std::size_t vectors = 6;
+
+// Of g w^T, for w = stiffness g: comparable among enclosures and drags, whose g have other units.
+double strength_of(const BlockSystem::RankOne& term) {
+  double square = 0.0;
+  for (const Vector3& g : term.g) square += g.squaredNorm();
+  return term.stiffness * square;
+}
 
 }  // namespace
 
@@ -48,7 +55,7 @@ void IterativeSolver::prepare(const BlockSystem& system, BlockPreconditioner::Ki
   for (auto& values : work_) values.resize(3 * nodes_ + 1);
   sum_.resize(chunk_count());
   prepare_coarse(system, position);
-  prepare_enclosures(system);
+  prepare_terms(system);
 }
 
 void IterativeSolver::prepare_coarse(const BlockSystem& system, const std::array<const double*, 3>& position) {
@@ -70,17 +77,17 @@ void IterativeSolver::prepare_coarse(const BlockSystem& system, const std::array
   coarse_.factorise();
 }
 
-void IterativeSolver::prepare_enclosures(const BlockSystem& system) {
+void IterativeSolver::prepare_terms(const BlockSystem& system) {
   terms_.clear();
-  for (const BlockSystem::RankOne& term : system.enclosures())
+  for (const BlockSystem::RankOne& term : system.terms())
     if (term.stiffness > 0.0 && !term.nodes.empty()) terms_.push_back(&term);
   if (terms_.size() > max_terms) {
     std::stable_sort(terms_.begin(), terms_.end(),
-                     [](const auto* a, const auto* b) { return a->stiffness > b->stiffness; });
+                     [&](const auto* a, const auto* b) { return strength_of(*a) > strength_of(*b); });
     terms_.resize(max_terms);
   }
   std::vector<const BlockSystem::RankOne*> all;
-  std::swap(all, terms_);  // B without enclosures
+  std::swap(all, terms_);  // B without them
   Team alone(1, 0);
   std::vector<double> g(3 * nodes_ + 1);
   z_.resize(all.size());
@@ -164,9 +171,9 @@ void IterativeSolver::zero(Team& team, double* x) {
 
 void IterativeSolver::product(Team& team, const double* p, double* q) {
   kernels_.product(system_->arrays(), nodes_of(team), p, q);
-  if (system_->enclosures().empty()) return;
+  if (system_->terms().empty()) return;
   team.alone([&] {
-    for (const BlockSystem::RankOne& term : system_->enclosures()) {
+    for (const BlockSystem::RankOne& term : system_->terms()) {
       double share = 0.0;
       for (std::size_t i = 0; i < term.nodes.size(); ++i)
         share += term.w[i].dot(Eigen::Map<const Vector3>(p + 3 * std::size_t{term.nodes[i]}));

@@ -69,7 +69,7 @@ class IterativeSolver {
   [[nodiscard]] NodeRange nodes_of(const Team& team) const noexcept;
   [[nodiscard]] NodeRange pieces_of(const Team& team) const noexcept;
   SolveAnswer solve_unsymmetric(Team& team, double accuracy, std::uint32_t max_iterations, const double* b, double* x);
-  void prepare_enclosures(const BlockSystem& system);
+  void prepare_terms(const BlockSystem& system);
   void prepare_coarse(const BlockSystem& system, const std::array<const double*, 3>& position);
   void add_coarse(const double* r, double* z);
   void correct(double* z) const;  // for the enclosures

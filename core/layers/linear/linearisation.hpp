@@ -50,6 +50,11 @@ class Linearisation {
   // Adds what opposes the rate of a row with this damping (N s/m) on its nodes, which need not be neighbours; call
   // after update().
   void add_drag(const ConstraintRow& row, double damping) { drags_.push_back({row, damping}); }
+  struct Drag {
+    ConstraintRow row;
+    double damping;  // N s/m
+  };
+  [[nodiscard]] const std::vector<Drag>& drags() const noexcept { return drags_; }
   // Whether update() succeeded and nothing was removed since: the functions below need it.
   [[nodiscard]] bool known() const noexcept { return known_; }
   // out = da/dp dp + da/dv dv; 3n numbers each, x of all nodes first.
@@ -114,10 +119,6 @@ class Linearisation {
 
  private:
   using Blocks = std::vector<double>;
-  struct Drag {
-    ConstraintRow row;
-    double damping;  // N s/m
-  };
   struct System;  // sparse matrices and their factors: Eigen's templates for them are compiled in one file only
   [[nodiscard]] static Eigen::Map<const Block> block(const Blocks& blocks, std::size_t index) {
     return Eigen::Map<const Block>(blocks.data() + 9 * index);

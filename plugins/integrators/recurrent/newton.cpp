@@ -26,9 +26,10 @@ constexpr double first_shift = 1.0, shift_growth = 10.0, min_shift = 0.05;
 // Renewing them costs about as much as these iterations of a linear solve; a sweep costs those of its solve and some
 // more. Derivatives at hand reduce the residual by this at best, as the first solves are no more accurate.
 constexpr double cost_of_renewal = 10.0, cost_of_sweep = 3.0, best_rate = 0.015;
-// A step from a guess that has not settled after this many sweeps, nor is about to, starts again from its start: a
-// guess may lead contacts into a cycle.
+// A step from a guess that has not settled after this many sweeps starts again from its start, unless the last half of
+// them, and of each as many later, has reduced the residual to this share: a guess may lead contacts into a cycle.
 constexpr std::uint64_t patience_with_guess = 12;
+constexpr double settling_share = 0.1;
 // Slow sweeps in turn, not counting those right after contacts changed, before systems are exact.
 constexpr int sweeps_to_blame = 3;
 // Steps in which systems are exact after an approximate one has converged slowly; and in which they are not, after an
@@ -330,7 +331,7 @@ void Newton::search(Step& step, const springnet_state& candidate) {
 }
 
 void Newton::sweep(Step& step) {
-  if (guessed_ && step.sweeps >= patience_with_guess && !(rate_ < fast_convergence)) start_again(step);
+  if (guessed_ && !is_about_to_settle(step)) start_again(step);
   std::uint64_t decisions = decisions_;
   double before_contact = 0.0;  // residual of the outputs by which contacts are decided, N
   const double norm_before = at_outputs_.norm;
@@ -375,6 +376,13 @@ void Newton::sweep(Step& step) {
   step.evaluated = true;
   step.finite = std::isfinite(at_outputs_.norm) && std::isfinite(step.residual);
   compare_forces(step);
+}
+
+bool Newton::is_about_to_settle(const Step& step) {
+  if (step.sweeps % (patience_with_guess / 2) != 0) return true;
+  const double before = norm_at_half_;
+  norm_at_half_ = at_outputs_.norm;
+  return step.sweeps < patience_with_guess || norm_at_half_ <= settling_share * before;
 }
 
 bool Newton::advance(Step& step, springnet_state& candidate) {

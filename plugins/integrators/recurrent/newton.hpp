@@ -48,6 +48,8 @@ class Newton final : public Rule {
   [[nodiscard]] bool start_from_guess(Step& step);
   void start(Step& step);
   void start_again(Step& step);
+  // Of a step from a guess: whether it may go on.
+  [[nodiscard]] bool is_about_to_settle(const Step& step);
   // Makes a step from the outputs to the candidate, which becomes the outputs. False: the outputs were a guess from
   // which no whole step is good.
   [[nodiscard]] bool advance(Step& step, springnet_state& candidate);
@@ -144,6 +146,7 @@ class Newton final : public Rule {
   std::vector<double> inertia_;                    // [n][3][3] kg, effective mass for the host's corrections
   std::vector<double> by_velocity_, by_position_;  // [n][3][3], of contact_acceleration_
   std::uint64_t last_switch_ = 0;                  // sweep of the step that changed contacts
+  double norm_at_half_ = 0.0;                      // some sweeps ago: see is_about_to_settle()
   double norm_at_start_ = 0.0;                     // of the residual where the step started, kg^1/2 m/s
   double norm_at_change_ = 0.0;                    // of the residual, kg^1/2 m/s, after the last of these
   std::uint64_t contact_changes_ = 0;              // sweeps of the step that changed contacts

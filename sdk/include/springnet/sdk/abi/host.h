@@ -408,11 +408,12 @@ typedef struct springnet_loop {
 
 /* The system prepared last, row by row: S = M A, with M the masses (kg), is
  *   S = blocks + sum over i of g_i w_i^T,
- * the latter of enclosed volumes. Rows and columns of fixed and held nodes are zero but for their own block.
- * Constraints are not in it. The arrays live until the next call that prepares, linearises or changes the network. */
+ * the latter of enclosed volumes and of friction between bodies. Rows and columns of fixed and held nodes are zero but
+ * for their own block. Constraints are not in it. The arrays live until the next call that prepares, linearises or
+ * changes the network. */
 typedef struct springnet_system_rows {
   uint32_t struct_size;
-  uint32_t low_rank_count;               /* out: number of enclosed volumes */
+  uint32_t low_rank_count;               /* out: number of rank-one terms */
   const uint32_t* row_start;             /* out: [node_count + 1] */
   const uint32_t* columns;               /* out: nodes; ascending in a row */
   const double* blocks;                  /* out: [row_start[node_count]][9], each block column by column, kg */
