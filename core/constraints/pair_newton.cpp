@@ -24,7 +24,7 @@ constexpr double noticeable = 0.5;
 // How exact a proximal point is, in units of its distance from a solution.
 constexpr double inexact = 0.01;
 constexpr int most_failures = 3;
-// A group that is given up keeps the impulses that are so much nearer to a solution than those it had.
+// A group that is given up keeps what was found only if its distance from a solution is this share of that before.
 constexpr double much_nearer = 1e-2;
 // Groups with more unknowns, or more ends of rows on the same nodes and clusters, are left to the iteration, and all
 // after so many unknowns of factorisations: these take longer than it needs.
