@@ -16,6 +16,7 @@ constexpr double accuracy = 1e-14;     // of resultants, in units of the least f
 constexpr double greatest = 1e6;       // forces that count as none, in the same units
 constexpr double towards_last = 1e-6;  // weight of the change in a round beside that of distances from cones
 constexpr int most_rounds = 3;         // each leaves as much of what the last one was off
+constexpr double least_weight = 1e-6;  // of what keeps steps short
 constexpr double sufficient = 1e-4;    // share of the expected decrease that a step of the search has to reach
 
 // The projection onto the cones, and its derivative times a matrix. Zhou and Chen, J. Nonlinear Convex Anal. 14 (2013),
@@ -79,13 +80,14 @@ class Projection {
 };
 
 // Minimises a convex function whose derivative `evaluate(y, gradient)` gives and whose generalised second derivative is
-// `second(y)`, by Newton's method with a search along each step. done(y, gradient): it ends.
+// `second(y, gradient, weight)`, by Newton's method with a search along each step. weight: of what keeps steps short,
+// less after each that needed no search. done(y, gradient): it ends.
 template <class Evaluate, class Second, class Done>
 void minimise(Eigen::VectorXd& y, const Evaluate& evaluate, const Second& second, const Done& done) {
   Eigen::VectorXd gradient, next_gradient;
-  double value = evaluate(y, gradient);
+  double value = evaluate(y, gradient), weight = 1.0;
   for (int k = 0; k < max_newton && !done(y, gradient); ++k) {
-    const Eigen::VectorXd step = -second(y, gradient).ldlt().solve(gradient);
+    const Eigen::VectorXd step = -second(y, gradient, weight).ldlt().solve(gradient);
     const double slope = gradient.dot(step);
     if (!(slope < 0.0)) return;
     double length = 1.0;
@@ -99,6 +101,7 @@ void minimise(Eigen::VectorXd& y, const Evaluate& evaluate, const Second& second
       if (next_value <= value + sufficient * length * slope || next_gradient.norm() <= 0.5 * gradient.norm()) break;
       if (++halvings > max_halvings) return;
     }
+    weight = length < 1.0 ? 1.0 : std::max(least_weight, 0.1 * weight);
     y = next;
     value = next_value;
     gradient.swap(next_gradient);
@@ -119,17 +122,24 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
     gradient = row_space.transpose() * x - d;
     return 0.5 * x.squaredNorm() - d.dot(at);
   };
-  const auto second = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) -> Eigen::MatrixXd {
+  const auto second = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient,
+                          double weight) -> Eigen::MatrixXd {
     Eigen::MatrixXd moved = row_space;
     project.differentiate(row_space * at, moved);
     Eigen::MatrixXd matrix = row_space.transpose() * moved;
-    matrix.diagonal().array() += 1e-12 + 1e-4 * std::min(1.0, gradient.norm() / size);
+    matrix.diagonal().array() += 1e-12 + 1e-4 * weight * std::min(1.0, gradient.norm() / size);
     return matrix;
   };
   minimise(y, evaluate, second, [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) {
     is_found = gradient.norm() <= accuracy * size;
-    // For each x in the cones with C x = d it holds that d.y = x.(C^T y) <= |x| |projection|.
-    return is_found || d.dot(at) > greatest * size * x.norm();
+    if (is_found) return true;
+    // For each x in the cones with C x = d it holds that d.u = x.(C^T u) <= |x| |projection of C^T u|, whatever u. What
+    // is missing shows soonest that there is none.
+    const Eigen::VectorXd lacks = -gradient;
+    const auto shows_none = [&](const Eigen::VectorXd& u, double projected) {
+      return d.dot(u) > greatest * size * projected;
+    };
+    return shows_none(at, x.norm()) || shows_none(lacks, project.of(row_space * lacks).norm());
   });
   Eigen::VectorXd gradient;
   evaluate(y, gradient);
@@ -148,7 +158,7 @@ Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kern
     gradient = kernel.transpose() * outside + towards_last * (by - centre);
     return 0.5 * outside.squaredNorm() + 0.5 * towards_last * (by - centre).squaredNorm();
   };
-  const auto second = [&](const Eigen::VectorXd& by, const Eigen::VectorXd&) -> Eigen::MatrixXd {
+  const auto second = [&](const Eigen::VectorXd& by, const Eigen::VectorXd&, double) -> Eigen::MatrixXd {
     Eigen::MatrixXd moved = kernel;
     project.differentiate(at(by), moved);
     Eigen::MatrixXd matrix = kernel.transpose() * (kernel - moved);

@@ -48,6 +48,7 @@ struct ContactNode {
   Vector3 slip = Vector3::Zero();          // unit: direction in which it slides or begins to slide
   bool slipping = false;                   // at a speed: `slip` is the direction of its slip velocity
   bool slip_starting = false;              // without speed yet: the slip follows the acceleration
+  bool slid = false;                       // before the impulses of this moment
   bool slip_ended = false;                 // end_slip() removes what is left of its slip velocity
   std::int32_t pair = -1;                  // of a pair of bodies, which is as a node on one side, its place
   // results
@@ -104,6 +105,10 @@ class Island {
   // resolve() would close again before the gap is `depth` (m) wide. There are infinitely many in a finite time. Other
   // rates of contacts that touch stay zero. Returns whether there was one.
   bool end_returns(double depth);
+  // Of bodies on each other: the same of slips that the forces of the last resolve() would end within this distance
+  // (m): a small impact leaves some in all pairs around it. began: only of those that were not there before. Gap rates
+  // up to `negligible` (m/s) become zero.
+  bool end_short_slips(double distance, bool began, double negligible);
   // Applies jamming impulses: they end slip faster than `negligible` (m/s) of the nodes for which the last resolve()
   // failed. Returns whether there was one.
   bool jam(double negligible);
@@ -158,7 +163,9 @@ class Island {
     Vector3 relative;
   };
   [[nodiscard]] std::optional<Alone> alone(std::size_t node) const;
-  [[nodiscard]] bool follow_slips();
+  [[nodiscard]] bool follow_slips(bool may_reverse, bool by_difference);
+  [[nodiscard]] Eigen::MatrixXd by_turns(const std::vector<std::size_t>& turning) const;
+  [[nodiscard]] Vector3 slides(std::size_t node) const;
   [[nodiscard]] std::optional<Vector3> slip_of(std::size_t node) const;
   [[nodiscard]] std::optional<Vector3> reversed_slip(std::size_t node) const;
   // Pivots from the present active set, one change at a time; `changed` collects the nodes that change. False: it

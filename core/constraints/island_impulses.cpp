@@ -16,6 +16,8 @@ namespace {
 // brace each other convergence is slow. The rest is below the speeds that events resolve.
 constexpr double nearly = 1e-7;
 
+double cube(double x) { return x * x * x; }
+
 // A holding surface carries its nodes when its own velocity jumps.
 bool is_carried_along(const ContactSide& side) {
   return side.active && side.friction.kind == Friction::Kind::held && !side.velocity.isZero(0.0) &&
@@ -246,6 +248,23 @@ bool Island::end_returns(double depth) {
   end_rates(rows);
   // Of masses that differ too much the impulses are lost in rounding.
   return fastest() <= 0.5 * before;
+}
+
+bool Island::end_short_slips(double distance, bool began, double negligible) {
+  if (!has_pairs_) return false;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    ContactNode& node = nodes_[i];
+    node.slip_ended = false;
+    const std::vector<Vector3> directions = free_directions(active_normals(node));
+    if ((began && node.slid) || !node.slipping || node.slip_starting || directions.empty() ||
+        slip_friction(node) == 0.0)
+      continue;
+    const auto side = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
+    const Vector3 slip = project_onto(directions, side->velocity);
+    const double slows = -slip.dot(acceleration(i) - side->surface_acceleration);  // m^2/s^3
+    node.slip_ended = slows > 0.0 && cube(slip.norm()) <= 2.0 * slows * distance;
+  }
+  return end_slip(negligible);
 }
 
 bool Island::jam(double negligible) {

@@ -132,10 +132,49 @@ std::optional<Vector3> Island::slip_of(std::size_t i) const {
   return sliding.normalized();
 }
 
+// How the accelerations of nodes across their slips change as these turn, each about the normal of its only side: the
+// forces keep all others on their surfaces. Exact where the pairs determine the forces.
+Eigen::MatrixXd Island::by_turns(const std::vector<std::size_t>& turning) const {
+  const std::vector<Unknown> all = unknowns();
+  const auto rows = static_cast<Eigen::Index>(all.size()), count = static_cast<Eigen::Index>(turning.size());
+  std::vector<Vector3> across, more;  // unit; N, the change of the own force
+  for (const std::size_t i : turning) {
+    const ContactNode& node = nodes_[i];
+    const auto side = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
+    across.push_back(side->normal.cross(node.slip));
+    const double pressing = node.normal_force[static_cast<std::size_t>(side - node.sides.begin())];
+    more.push_back(-sliding_coefficient_of(side->friction) * pressing * across.back());
+  }
+  Eigen::MatrixXd missing(rows, count), result(count, count), back(count, rows);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const auto to = static_cast<std::size_t>(j);
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      const Unknown& unknown = all[static_cast<std::size_t>(r)];
+      missing(r, j) = -unknown.row.dot(block(unknown.node, turning[to]) * more[to]);
+      back(j, r) = across[to].dot(block(turning[to], unknown.node) * unknown.column);
+    }
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto from = static_cast<std::size_t>(k);
+      result(j, k) = across[to].dot(block(turning[to], turning[from]) * more[from]);
+    }
+    // The direction turns, too.
+    result(j, j) -= nodes_[turning[to]].slip.dot(slides(turning[to]));
+  }
+  return result + back * least_squares_of_all(response(all), missing, singular);
+}
+
+// m/s^2, relative to its first active side.
+Vector3 Island::slides(std::size_t i) const {
+  const ContactNode& node = nodes_[i];
+  const auto side = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
+  return acceleration(i) - side->surface_acceleration;
+}
+
 // The directions of all beginning slips at once, by Newton's method on their angles: of each, the acceleration across
 // it vanishes. Where a slip ends, the acceleration along it passes through zero as a smooth function. False, with the
-// directions as they were: it does not converge, or leads elsewhere.
-bool Island::follow_slips() {
+// directions as they were: it does not converge, or leads elsewhere. by_difference: with derivatives that hold also
+// where redundant forces change with the slips.
+bool Island::follow_slips(bool may_reverse, bool by_difference) {
   constexpr int most = 12, most_halvings = 6;
   constexpr double probe = 1e-6, longest = 0.5, accuracy = 1e-13, converged = 1e-10;
   std::vector<std::size_t> begin;
@@ -156,12 +195,10 @@ bool Island::follow_slips() {
     scale = 0.0;
     for (std::size_t j = 0; j < begin.size(); ++j) {
       const ContactNode& node = nodes_[begin[j]];
-      const auto side = std::find_if(node.sides.begin(), node.sides.end(), [](const auto& s) { return s.active; });
-      const Vector3 a = acceleration(begin[j]);
-      const Vector3 slides = a - side->surface_acceleration;
-      across[static_cast<Eigen::Index>(j)] = side->normal.dot(node.slip.cross(slides));
-      along[static_cast<Eigen::Index>(j)] = node.slip.dot(slides);
-      scale = std::max(scale, (a - node.acceleration).norm());
+      const Vector3 by = slides(begin[j]);
+      across[static_cast<Eigen::Index>(j)] = active_normals(node).front().dot(node.slip.cross(by));
+      along[static_cast<Eigen::Index>(j)] = node.slip.dot(by);
+      scale = std::max(scale, (acceleration(begin[j]) - node.acceleration).norm());
     }
   };
   const auto turn = [&](std::size_t j, double angle) {
@@ -173,20 +210,26 @@ bool Island::follow_slips() {
   const auto put = [&](const std::vector<Vector3>& slips) {
     for (std::size_t j = 0; j < begin.size(); ++j) nodes_[begin[j]].slip = slips[j];
   };
+  const auto derivatives = [&]() -> Eigen::MatrixXd {
+    if (!by_difference) return by_turns(begin);
+    const Eigen::VectorXd first = across;
+    Eigen::MatrixXd result(count, count);
+    for (std::size_t j = 0; j < begin.size(); ++j) {
+      const Vector3 before = nodes_[begin[j]].slip;
+      turn(j, probe);
+      evaluate();
+      result.col(static_cast<Eigen::Index>(j)) = (across - first) / probe;
+      nodes_[begin[j]].slip = before;
+    }
+    across = first;
+    return result;
+  };
   evaluate();
   double missing = count > 0 ? across.lpNorm<Eigen::Infinity>() : 0.0;
   for (int k = 0; k < most && missing > accuracy * scale; ++k) {
     std::vector<Vector3> before;
     for (const std::size_t i : begin) before.push_back(nodes_[i].slip);
-    const Eigen::VectorXd first = across;
-    Eigen::MatrixXd by_angle(count, count);
-    for (std::size_t j = 0; j < begin.size(); ++j) {
-      turn(j, probe);
-      evaluate();
-      by_angle.col(static_cast<Eigen::Index>(j)) = (across - first) / probe;
-      nodes_[begin[j]].slip = before[j];
-    }
-    Eigen::VectorXd angles = -least_squares(by_angle, first, singular);
+    Eigen::VectorXd angles = -least_squares(derivatives(), across, singular);
     if (!angles.allFinite()) {
       evaluate();
       break;
@@ -208,8 +251,8 @@ bool Island::follow_slips() {
   }
   bool fits = missing <= converged * scale;
   for (std::size_t j = 0; j < begin.size(); ++j)
-    fits =
-        fits && start[j].dot(nodes_[begin[j]].slip) > 0.0 && along[static_cast<Eigen::Index>(j)] >= -reversing * scale;
+    fits = fits && start[j].dot(nodes_[begin[j]].slip) > 0.0 &&
+           (may_reverse || along[static_cast<Eigen::Index>(j)] >= -reversing * scale);
   directions_fit_ = fits;
   if (!fits) put(start);
   return fits;
@@ -223,6 +266,8 @@ void Island::solve(bool keeps_slips) {
     for (const ContactNode& node : nodes_) kept.push_back(node.slip);
   std::vector<Vector3> given;
   for (const ContactNode& node : nodes_) given.push_back(node.slip);
+  // Pairs turn each other's slips. Most often these have turned a little since the last time.
+  if (has_pairs_ && follow_slips(keeps_slips, false)) return;
   double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
   for (int iteration = 0; iteration < max_directions; ++iteration) {
     if (iteration > max_guesses && iteration % max_guesses == 0) {
@@ -271,10 +316,9 @@ void Island::solve(bool keeps_slips) {
     if (turned <= 1e-14) return;
   }
   if (directions_fit_ || !has_pairs_) return;
-  // Pairs that push each other along turn each other's slips.
   std::vector<Vector3> last;
   for (ContactNode& node : nodes_) last.push_back(std::exchange(node.slip, given[last.size()]));
-  if (follow_slips()) return;
+  if (follow_slips(keeps_slips, true)) return;
   for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].slip = last[i];
   solve_once();
 }

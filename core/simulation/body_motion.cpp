@@ -114,7 +114,7 @@ springnet_status BodyMotion::find(Model& model, ReactionsAt& at) {
       levers.emplace_back(motions[i]);
     }
     Island island(std::move(contacts), mobility_of(model, levers, clusters));
-    island.solve();
+    island.solve(true);
     std::map<std::uint32_t, Vector3> on_clusters;  // N
     for (std::size_t i = 0; i < levers.size(); ++i) {
       const ContactNode& contact = island.nodes()[i];

@@ -120,6 +120,7 @@ void Settling::add_sides(ContactNode& node) const {
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     node.sides.push_back(side);
   }
+  node.slid = touch.slides;
   node.slip_ended = found.slip_ended && touch.slides;
   node.braced = contact.braced(node.node) && found.released.empty();
 }
@@ -421,6 +422,7 @@ springnet_status Settling::settle(std::uint32_t node) {
   struck = stop_held(island, jump_) || struck;
   std::vector<std::vector<Vector3>> impulses;  // N s, [node of the island][side]
   for (const ContactNode& each : island.nodes()) impulses.emplace_back(each.sides.size(), Vector3::Zero());
+  const bool hit = struck;
   bool returned = false;
   int returns = 0;
   for (int jams = 0;; jams += returned ? 0 : 1) {
@@ -446,7 +448,9 @@ springnet_status Settling::settle(std::uint32_t node) {
     const double negligible = Scales::min_force * model_.scales.force + 1e-12 * forces;
     const bool is_resolved = island.resolve(negligible);
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
-    returned = is_resolved && returns++ < max_returns && island.end_returns(times_of_fall * times_of_fall * depth_);
+    const double short_way = times_of_fall * times_of_fall * depth_;
+    returned = is_resolved && returns++ < max_returns &&
+               (island.end_returns(short_way) || island.end_short_slips(short_way, !hit, no_speed_));
     if (returned) {
       struck = true;
       continue;

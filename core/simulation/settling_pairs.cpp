@@ -101,7 +101,8 @@ void Settling::add_pairs(std::vector<ContactNode>& nodes) const {
     const double least = pair.was ? jump_ : no_speed_;
     if (std::abs(speed) <= least) side.velocity -= speed * side.normal;
     if (pair.was && pair.touch.sticks && motion.slip().norm() <= jump_) side.velocity -= motion.along(side.velocity);
-    node.slip_ended = pair.found.slip_ended && pair.was && !pair.touch.sticks;
+    node.slid = pair.was && !pair.touch.sticks;
+    node.slip_ended = pair.found.slip_ended && node.slid;
     node.sides.push_back(side);
     nodes.push_back(std::move(node));
   }
