@@ -6,112 +6,21 @@
 #include <limits>
 #include <optional>
 
+#include "constraints/cone_projection.hpp"
 #include "constraints/friction.hpp"
 
 namespace springnet {
 namespace {
 
-constexpr int max_newton = 60, max_halvings = 40;
 constexpr double accuracy = 1e-14;     // of resultants, in units of the least forces
 constexpr double greatest = 1e6;       // forces that count as none, in the same units
 constexpr double towards_last = 1e-6;  // weight of the change in a round beside that of distances from cones
 constexpr int most_rounds = 3;         // each leaves as much of what the last one was off
-constexpr double least_weight = 1e-6;  // of what keeps steps short
-constexpr double sufficient = 1e-4;    // share of the expected decrease that a step of the search has to reach
-
-// The projection onto the cones, and its derivative times a matrix. Zhou and Chen, J. Nonlinear Convex Anal. 14 (2013),
-// 807.
-class Projection {
- public:
-  explicit Projection(const std::vector<ForceCone>& cones) : cones_(cones) {}
-
-  [[nodiscard]] Eigen::VectorXd of(const Eigen::VectorXd& x) const {
-    Eigen::VectorXd result = x;
-    for (const ForceCone& cone : cones_) {
-      if (!cone.has_friction) {
-        result[cone.first] = std::max(0.0, x[cone.first]);
-        continue;
-      }
-      const double mu = cone.coefficient, n = x[cone.first];
-      const Eigen::Vector2d t = x.segment<2>(cone.first + 1);
-      const double size = t.norm();
-      if (n >= 0.0 && size <= mu * n) continue;
-      if (mu * size <= -n) {
-        result.segment<3>(cone.first).setZero();
-        continue;
-      }
-      const double pressing = (n + mu * size) / (1.0 + mu * mu);
-      result[cone.first] = pressing;
-      result.segment<2>(cone.first + 1) = mu * pressing / size * t;
-    }
-    return result;
-  }
-
-  // rows := D rows, at x.
-  void differentiate(const Eigen::VectorXd& x, Eigen::MatrixXd& rows) const {
-    for (const ForceCone& cone : cones_) {
-      if (!cone.has_friction) {
-        if (x[cone.first] < 0.0) rows.row(cone.first).setZero();
-        continue;
-      }
-      const double mu = cone.coefficient, n = x[cone.first];
-      const Eigen::Vector2d t = x.segment<2>(cone.first + 1);
-      const double size = t.norm();
-      if (n >= 0.0 && size <= mu * n) continue;
-      auto block = rows.middleRows<3>(cone.first);
-      if (mu * size <= -n) {
-        block.setZero();
-        continue;
-      }
-      const double share = 1.0 / (1.0 + mu * mu), pressing = share * (n + mu * size);
-      const Eigen::Vector2d u = t / size;
-      Eigen::Matrix3d d;
-      d(0, 0) = share;
-      d.block<1, 2>(0, 1) = share * mu * u.transpose();
-      d.block<2, 1>(1, 0) = share * mu * u;
-      d.block<2, 2>(1, 1) = share * mu * mu * u * u.transpose() +
-                            mu * pressing / size * (Eigen::Matrix2d::Identity() - u * u.transpose());
-      block = (d * block).eval();
-    }
-  }
-
- private:
-  const std::vector<ForceCone>& cones_;
-};
-
-// Minimises a convex function whose derivative `evaluate(y, gradient)` gives and whose generalised second derivative is
-// `second(y, gradient, weight)`, by Newton's method with a search along each step. weight: of what keeps steps short,
-// less after each that needed no search. done(y, gradient): it ends.
-template <class Evaluate, class Second, class Done>
-void minimise(Eigen::VectorXd& y, const Evaluate& evaluate, const Second& second, const Done& done) {
-  Eigen::VectorXd gradient, next_gradient;
-  double value = evaluate(y, gradient), weight = 1.0;
-  for (int k = 0; k < max_newton && !done(y, gradient); ++k) {
-    const Eigen::VectorXd step = -second(y, gradient, weight).ldlt().solve(gradient);
-    const double slope = gradient.dot(step);
-    if (!(slope < 0.0)) return;
-    double length = 1.0;
-    Eigen::VectorXd next;
-    double next_value = 0.0;
-    int halvings = 0;
-    for (;; length *= 0.5) {
-      next = y + length * step;
-      next_value = evaluate(next, next_gradient);
-      // Near the end differences of values are rounding: there the gradient decides.
-      if (next_value <= value + sufficient * length * slope || next_gradient.norm() <= 0.5 * gradient.norm()) break;
-      if (++halvings > max_halvings) return;
-    }
-    weight = length < 1.0 ? 1.0 : std::max(least_weight, 0.1 * weight);
-    y = next;
-    value = next_value;
-    gradient.swap(next_gradient);
-  }
-}
 
 // The dual problem: with the resultants d = C base of the rows C, the least x in the cones with C x = d is the
 // projection of C^T y onto them, where y maximises d.y - |projection|^2/2. Empty: no such x is smaller than `greatest`.
 std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
-                                            const Projection& project) {
+                                            const ConeProjection& project) {
   const Eigen::VectorXd d = row_space.transpose() * base;
   const double size = d.norm();
   if (size == 0.0) return Eigen::VectorXd(Eigen::VectorXd::Zero(base.size()));
@@ -122,15 +31,15 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
     gradient = row_space.transpose() * x - d;
     return 0.5 * x.squaredNorm() - d.dot(at);
   };
-  const auto second = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient,
-                          double weight) -> Eigen::MatrixXd {
+  const auto newton = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient,
+                          double weight) -> Eigen::VectorXd {
     Eigen::MatrixXd moved = row_space;
     project.differentiate(row_space * at, moved);
     Eigen::MatrixXd matrix = row_space.transpose() * moved;
     matrix.diagonal().array() += 1e-12 + 1e-4 * weight * std::min(1.0, gradient.norm() / size);
-    return matrix;
+    return matrix.ldlt().solve(gradient);
   };
-  minimise(y, evaluate, second, [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) {
+  minimise(y, evaluate, newton, [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) {
     is_found = gradient.norm() <= accuracy * size;
     if (is_found) return true;
     // For each x in the cones with C x = d it holds that d.u = x.(C^T u) <= |x| |projection of C^T u|, whatever u. What
@@ -148,7 +57,7 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
 }
 
 // Proximal point iteration: Newton's method needs what is not determined to be kept by something.
-Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kernel, const Projection& project,
+Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kernel, const ConeProjection& project,
                         int rounds) {
   const double size = base.norm();
   Eigen::VectorXd z = Eigen::VectorXd::Zero(kernel.cols()), centre = z;
@@ -158,15 +67,15 @@ Eigen::VectorXd nearest(const Eigen::VectorXd& base, const Eigen::MatrixXd& kern
     gradient = kernel.transpose() * outside + towards_last * (by - centre);
     return 0.5 * outside.squaredNorm() + 0.5 * towards_last * (by - centre).squaredNorm();
   };
-  const auto second = [&](const Eigen::VectorXd& by, const Eigen::VectorXd&, double) -> Eigen::MatrixXd {
+  const auto newton = [&](const Eigen::VectorXd& by, const Eigen::VectorXd& gradient, double) -> Eigen::VectorXd {
     Eigen::MatrixXd moved = kernel;
     project.differentiate(at(by), moved);
     Eigen::MatrixXd matrix = kernel.transpose() * (kernel - moved);
     matrix.diagonal().array() += towards_last;
-    return matrix;
+    return matrix.ldlt().solve(gradient);
   };
   for (int round = 0; round < rounds; ++round, centre = z)
-    minimise(z, evaluate, second, [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) {
+    minimise(z, evaluate, newton, [&](const Eigen::VectorXd&, const Eigen::VectorXd& gradient) {
       return gradient.norm() <= accuracy * size;
     });
   return at(z);
@@ -188,7 +97,7 @@ double margin_in_cones(const Eigen::VectorXd& x, const std::vector<ForceCone>& c
 Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
                                const Eigen::MatrixXd& kernel, const std::vector<ForceCone>& cones) {
   if (base.isZero(0.0) || kernel.cols() == 0) return base;
-  const Projection project(cones);
+  const ConeProjection project(cones);
   if (const std::optional<Eigen::VectorXd> within = least_within(base, row_space, project)) return *within;
   // What lies outside stays; the rest is as small as it can be. Where that is not found, the weight of the first round
   // makes the forces unique.

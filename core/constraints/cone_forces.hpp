@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 namespace springnet {
 
@@ -23,5 +24,10 @@ struct ForceCone {
 // of row_space, which spans the rest. Unknowns without a cone may have either sign.
 [[nodiscard]] Eigen::VectorXd least_in_cones(const Eigen::VectorXd& base, const Eigen::MatrixXd& row_space,
                                              const Eigen::MatrixXd& kernel, const std::vector<ForceCone>& cones);
+
+// Of all x in the cones with the resultants that `start` has, the products with the rows of a sparse matrix, the one of
+// least norm; `start`, which lies in the cones, where that is not found.
+[[nodiscard]] Eigen::VectorXd least_with_resultants(const Eigen::SparseMatrix<double>& resultants,
+                                                    const Eigen::VectorXd& start, const std::vector<ForceCone>& cones);
 
 }  // namespace springnet

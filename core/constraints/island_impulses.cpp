@@ -254,7 +254,7 @@ bool Island::end_short_slips(double distance, bool began, double negligible) {
   if (!has_pairs_) return false;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     ContactNode& node = nodes_[i];
-    node.slip_ended = false;
+    if (node.slipping) node.slip_ended = false;  // it began again
     const std::vector<Vector3> directions = free_directions(active_normals(node));
     if ((began && node.slid) || !node.slipping || node.slip_starting || directions.empty() ||
         slip_friction(node) == 0.0)

@@ -18,7 +18,7 @@ namespace {
 constexpr int max_directions = 200;   // iterations for directions of beginning slip
 constexpr int max_guesses = 20;       // of them, fixed-point iterations along the acceleration
 constexpr double reversed = 0.1;      // length of the sum of two unit vectors: they are opposite
-constexpr double least_share = 1e-6;  // of a mobility, below which others hold what it belongs to
+constexpr double held_share = 1e-6;  // of a mobility, below which others hold what it belongs to
 constexpr double reversing = 1e-6;    // acceleration against a slip, in units of what forces give, that is its end
 
 // Its direction follows the acceleration.
@@ -63,10 +63,10 @@ std::optional<Island::Alone> Island::alone(std::size_t i) const {
     const Eigen::Matrix<double, 3, 4> answer = back * least_squares_of_all(response(others), missing, singular);
     const Matrix3 answered = mobility + answer.leftCols<3>(), along = Matrix3::Identity() - n * n.transpose();
     const double own = n.dot(mobility * n);
-    if (n.dot(answered * n) > least_share * own) {
+    if (n.dot(answered * n) > held_share * own) {
       mobility = answered;
       other = node.acceleration + answer.col(3);
-    } else if ((along * answered * along).norm() > least_share * own) {
+    } else if ((along * answered * along).norm() > held_share * own) {
       // The others determine the gap, so that its normal force is one of many: it stays.
       mobility = along * answered * along + own * n * n.transpose();
       other =

@@ -12,6 +12,7 @@
 #include "layers/springs/queries.hpp"
 #include "profile/stage.hpp"
 #include "simulation/local_force.hpp"
+#include "simulation/pair_forces.hpp"
 #include "simulation/parameter_model.hpp"
 #include "simulation/start.hpp"
 #include "simulation/verlet_contact.hpp"
@@ -22,12 +23,12 @@ namespace {
 
 // What holds a node bears the forces of other bodies on it, too: all of them, or along the obstacles that it slides on
 // their normal parts. Those of nodes with rigid connections are known already.
-void add_body_forces(const Model& model, Reactions& reactions) {
+void add_body_forces(const Model& model, const std::vector<Vector3>& of_pairs, Reactions& reactions) {
   const BodyContacts& bodies = model.constraints.bodies();
   if (bodies.touching().empty() || bodies.located()) return;  // located: ReactionsAt knows them
   const springnet_const_vectors p = read_only(model.state.view.position);
   const std::shared_ptr<const Placement> now = model.placement_now();
-  for_each_body_force(model, [&](std::uint32_t k, const Vector3& force) {
+  for_each_body_force(model, of_pairs, [&](std::uint32_t k, const Vector3& force) {
     if (model.rigid.is_joined(k)) return;
     const Touch of = model.contact.committed(k);
     if (model.contact.fixed()[k] != 0 || (of.surface >= 0 && !of.slides))
@@ -95,11 +96,20 @@ LocalForceModel& Engine::local_force() {
   return *local_force_;
 }
 
+const std::vector<Vector3>& Engine::pair_forces() {
+  if (model_.stale.pair_forces) {
+    const profile::Stage stage("reactions");
+    pair_forces_ = smallest_pair_forces(model_);
+    model_.stale.pair_forces = false;
+  }
+  return pair_forces_;
+}
+
 const Reactions& Engine::reactions() {
   if (model_.stale.reactions) {
     const profile::Stage stage("reactions");
-    reactions_ = reactions_now(model_);
-    add_body_forces(model_, reactions_);
+    reactions_ = reactions_now(model_, pair_forces());
+    add_body_forces(model_, pair_forces(), reactions_);
     model_.stale.reactions = false;
   }
   return reactions_;

@@ -72,6 +72,8 @@ class Engine {
   // ---- for Simulation ----
   // At the committed state, computed on demand. Throws Error(simulation) if a law fails.
   [[nodiscard]] const Reactions& reactions();
+  // [pair that touches] N, on the first: see smallest_pair_forces().
+  [[nodiscard]] const std::vector<Vector3>& pair_forces();
   // The part of a node's reaction that one obstacle exerts, N.
   [[nodiscard]] Vector3 reaction_of(std::uint32_t node, std::size_t surface);
   // J, of springs, elements and gravity. If it is not finite, a note names the time and the law.
@@ -110,6 +112,7 @@ class Engine {
   std::unique_ptr<VerletStep> verlet_;              // contact in the last step of velocity Verlet; null: none
   bool swept_ = false;                              // the last commit was one of sweeps; false after forget()
   Reactions reactions_;
+  std::vector<Vector3> pair_forces_;
   std::unique_ptr<LocalForceModel> local_force_;  // null: not asked for yet
   std::unique_ptr<ParameterModel> parameters_;    // likewise
   bool energy_noted_ = false;

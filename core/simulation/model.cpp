@@ -183,7 +183,7 @@ void Model::archive(Archive& archive) {
   state.view.is_swept = 0;
   if (state.first_not_finite() < node_count() || !state.internal_finite() || !std::isfinite(time))
     Archive::refuse("a number is not finite");
-  stale.reactions = true;
+  stale.reactions = stale.pair_forces = true;
   start_known_ = false;
   ++revision;
   ++load_revision;
@@ -191,7 +191,7 @@ void Model::archive(Archive& archive) {
 
 void Model::changed() noexcept {
   ++revision;
-  stale = {true, true, true};
+  stale = {true, true, true, true};
 }
 
 double Model::contact_tolerance() const noexcept {

@@ -68,6 +68,7 @@ struct Model {
     bool forces = true;     // of `state`
     bool contacts = false;  // and ruptures: forces changed from outside of a step
     bool reactions = true;
+    bool pair_forces = true;  // of bodies that touch
   } stale;
   // At `time` a motion that the embedding program told a surface or node begins or ends: its velocity jumps when the
   // next step begins, to that of the motion told last. `time_before`: s, before the last commit.

@@ -284,9 +284,9 @@ springnet_status ReactionsAt::of_cluster(std::uint32_t cluster, std::uint32_t no
 namespace {
 
 // As means over the last step, N.
-std::map<std::uint32_t, Vector3> body_forces_on_clusters(const Model& model) {
+std::map<std::uint32_t, Vector3> body_forces_on_clusters(const Model& model, const std::vector<Vector3>& of_pairs) {
   std::map<std::uint32_t, Vector3> result;
-  for_each_body_force(model, [&](std::uint32_t node, const Vector3& force) {
+  for_each_body_force(model, of_pairs, [&](std::uint32_t node, const Vector3& force) {
     if (model.rigid.is_joined(node)) result.try_emplace(node, Vector3::Zero()).first->second += force;
   });
   return result;
@@ -294,19 +294,21 @@ std::map<std::uint32_t, Vector3> body_forces_on_clusters(const Model& model) {
 
 }  // namespace
 
-void for_each_body_force(const Model& model, const std::function<void(std::uint32_t, const Vector3&)>& use) {
+void for_each_body_force(const Model& model, const std::vector<Vector3>& of_pairs,
+                         const std::function<void(std::uint32_t, const Vector3&)>& use) {
   const BodyContacts& bodies = model.constraints.bodies();
   if (bodies.touching().empty()) return;
   const proximity::Positions x = positions_of(read_only(model.state.view.position), model.node_count());
-  for (const PairTouch& touch : bodies.touching()) {
+  for (std::size_t t = 0; t < of_pairs.size(); ++t) {
+    const PairTouch& touch = bodies.touching()[t];
     const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
     const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
     const int count = proximity::first_nodes(touch.kind) + proximity::second_nodes(touch.kind);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) use(nodes[i], at.weights[i] * touch.force);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) use(nodes[i], at.weights[i] * of_pairs[t]);
   }
 }
 
-Reactions reactions_now(Model& model) {
+Reactions reactions_now(Model& model, const std::vector<Vector3>& of_pairs) {
   const springnet_state& state = model.state.view;
   ReactionsAt at(model, model.time, read_only(state.position), read_only(state.velocity));
   Reactions result;
@@ -314,7 +316,7 @@ Reactions reactions_now(Model& model) {
   std::vector<std::uint32_t> nodes;
   for (std::uint32_t k = 0; k < model.node_count(); ++k)
     if (model.contact.fixed()[k] != 0 || model.contact.touching()[k] != 0) nodes.push_back(k);
-  at.add_forces(body_forces_on_clusters(model));
+  at.add_forces(body_forces_on_clusters(model, of_pairs));
   springnet_status status = at.prepare(nodes);
   for (std::size_t i = 0; i < nodes.size() && status == SPRINGNET_OK; ++i)
     status = at.reported(nodes[i], result.node[nodes[i]]);

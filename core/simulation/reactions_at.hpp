@@ -20,11 +20,12 @@ struct Reactions {
   std::vector<Vector3> node;  // [node] N, of fixation and obstacles; 0 for free nodes
   std::vector<double> rigid;  // [rod] N, > 0 is tension
 };
-// At the committed state. Throws Error(simulation) if a law fails.
-[[nodiscard]] Reactions reactions_now(Model& model);
+// At the committed state, with these forces of pairs that touch, N. Throws Error(simulation) if a law fails.
+[[nodiscard]] Reactions reactions_now(Model& model, const std::vector<Vector3>& of_pairs);
 
-// The forces of bodies in contact on nodes, as means over the last step, N: a node several times if several touch it.
-void for_each_body_force(const Model& model, const std::function<void(std::uint32_t, const Vector3&)>& use);
+// What these forces of pairs that touch, N, do to nodes: a node several times if several touch it.
+void for_each_body_force(const Model& model, const std::vector<Vector3>& of_pairs,
+                         const std::function<void(std::uint32_t, const Vector3&)>& use);
 
 class ReactionsAt {
  public:

@@ -232,11 +232,13 @@ const std::map<std::string, double>& Simulation::statistics() const noexcept {
 const std::vector<std::string>& Simulation::notes() const noexcept { return impl_->engine.model().journal.notes(); }
 
 std::vector<BodyTouch> Simulation::body_touches() const {
+  const std::vector<Vector3>& forces = impl_->engine.pair_forces();
   const Model& model = impl_->engine.model();
   const BodyContacts& bodies = model.constraints.bodies();
   std::vector<BodyTouch> result;
   const proximity::Positions x = positions_of(read_only(model.state.view.position), model.node_count());
-  for (const PairTouch& touch : bodies.touching()) {
+  for (std::size_t t = 0; t < forces.size(); ++t) {
+    const PairTouch& touch = bodies.touching()[t];
     const proximity::Separation now = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
     const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
     BodyTouch& each = result.emplace_back();
@@ -244,7 +246,7 @@ std::vector<BodyTouch> Simulation::body_touches() const {
     each.count = static_cast<std::uint8_t>(each.first + proximity::second_nodes(touch.kind));
     each.weights = now.weights;
     each.normal = now.direction;
-    each.force = touch.force;
+    each.force = forces[t];
     for (std::size_t i = 0; i < each.count; ++i) {
       each.nodes[i] = model.user_number(nodes[i]);
       each.position += 0.5 * std::abs(now.weights[i]) * x[nodes[i]];

@@ -204,7 +204,8 @@ std::string Simulation::Impl::state() {
   // As in the simulation that takes up the bytes.
   lay_out_changes();
   settle_history(memory);
-  engine.model().stale.reactions = true;  // those found before a motion was told may be others
+  engine.model().stale.reactions = engine.model().stale.pair_forces =
+      true;  // those found before a motion was told may be others
   std::string bytes;
   Archive archive(&bytes);
   this->archive(archive);

@@ -46,7 +46,7 @@ springnet_status Engine::begin_step(double from, double until) {
   const Loads::Change loads = model_.loads.set_interval(from, until);
   if (loads != Loads::Change::none) {
     ++model_.load_revision;
-    model_.stale.reactions = model_.stale.forces = true;
+    model_.stale.reactions = model_.stale.pair_forces = model_.stale.forces = true;
   }
   return begin(from, until, loads, swept_);
 }
@@ -168,7 +168,7 @@ springnet_status Engine::commit(double time, State& state) {
   const double from = model_.time;
   model_.time = time;
   contact_events_.committed();
-  model_.stale.reactions = true;
+  model_.stale.reactions = model_.stale.pair_forces = true;
   model_.stale.forces = model_.state.view.force_is_current == 0;
   model_.time_before = from;
   const double change = model_.contact.next_change(from);  // of prescribed velocities or accelerations

@@ -139,7 +139,7 @@ void VerletContact::record_event(Event::Kind kind, std::uint32_t node, std::int3
                                  const Vector3& impulse) {
   model_.record(kind, until_, node, surface, state, *at_, impulse);
   ++model_.revision;
-  model_.stale.reactions = true;
+  model_.stale.reactions = model_.stale.pair_forces = true;
 }
 
 // Contacts as they are at the end of the step.

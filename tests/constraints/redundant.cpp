@@ -54,13 +54,13 @@ Eigen::Vector3d nearest_in_cone(const Eigen::Vector3d& x, double mu) {
 // Random equations with more unknowns than they determine, that some forces in the cones satisfy.
 struct Redundant {
   Eigen::MatrixXd matrix;
-  Eigen::VectorXd right;
+  Eigen::VectorXd right, inside;  // these
   std::vector<ForceCone> cones;
 };
 
 Redundant random_redundant(Dice& dice, int contacts, int equations, bool fits) {
   Redundant result;
-  Eigen::VectorXd inside = Eigen::VectorXd::Zero(3 * contacts + 2);
+  Eigen::VectorXd& inside = result.inside = Eigen::VectorXd::Zero(3 * contacts + 2);
   for (int i = 0; i < contacts; ++i) {
     const double mu = dice(0.1, 1.1), n = std::max(0.0, dice(-0.4, 1.0)), angle = dice(0.0, 6.0);
     inside.segment<3>(3 * i) << n, mu * n * std::cos(angle), mu * n * std::sin(angle);
@@ -114,6 +114,8 @@ TEST_CASE("forces of redundant contacts are the least that satisfy the equations
       second = then - y;
     }
     CHECK((x - y).norm() <= 1e-5 * y.norm());
+    const Eigen::VectorXd sparse = least_with_resultants(problem.matrix.sparseView(), problem.inside, problem.cones);
+    CHECK((sparse - x).norm() <= 1e-9 * x.norm());
     outside += margin_in_cones(least.x, problem.cones) < 0.0 ? 1 : 0;
   }
   CHECK(outside >= 6);

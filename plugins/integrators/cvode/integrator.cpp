@@ -368,7 +368,6 @@ bool ReferenceIntegrator::steps_reach(double target, long max_steps, double& rea
     // After an output, search the rest of the last step first.
     if (searches) search_for_impact(target);
     const int flag = CVode(memory, impact_ ? std::min(target, *impact_) : target, y_.get(), &reached, CV_NORMAL);
-    if (getenv("DBG")) { long e=0,c=0,st=0; int q=0; CVodeGetNumErrTestFails(memory,&e); CVodeGetNumNonlinSolvConvFails(memory,&c); CVodeGetNumSteps(memory,&st); CVodeGetLastOrder(memory,&q); double h=0; CVodeGetLastStep(memory,&h); fprintf(stderr,"cv %.15g h %.3g order %d steps %ld errfails %ld convfails %ld flag %d impact %d\n", reached,h,q,st,e,c,flag, impact_ ? 1 : 0);}
     if (flag < 0 && flag != CV_TOO_MUCH_WORK) fail(flag, reached);
     // CVODE takes any time for reached if the product with the step is 0.
     double length = 0.0;
