@@ -42,11 +42,11 @@ std::optional<Eigen::VectorXd> least_within(const Eigen::VectorXd& base, const E
   minimise(y, evaluate, newton, [&](const Eigen::VectorXd& at, const Eigen::VectorXd& gradient) {
     is_found = gradient.norm() <= accuracy * size;
     if (is_found) return true;
-    // For each x in the cones with C x = d it holds that d.u = x.(C^T u) <= |x| |projection of C^T u|, whatever u. What
-    // is missing shows soonest that there is none.
+    // For each x in the cones with C x = d it holds that d.u = x.(C^T u) <= |x| |projection of C^T u|, whatever u. The
+    // missing part of d shows soonest that there is none.
     const Eigen::VectorXd lacks = -gradient;
     const auto shows_none = [&](const Eigen::VectorXd& u, double projected) {
-      return d.dot(u) > greatest * size * projected;
+      return d.dot(u) > 1e-12 * size * u.norm() && d.dot(u) > greatest * size * projected;
     };
     return shows_none(at, x.norm()) || shows_none(lacks, project.of(row_space * lacks).norm());
   });

@@ -26,7 +26,7 @@ struct ForceCone {
                                              const Eigen::MatrixXd& kernel, const std::vector<ForceCone>& cones);
 
 // Of all x in the cones with the resultants that `start` has, the products with the rows of a sparse matrix, the one of
-// least norm; `start`, which lies in the cones, where that is not found.
+// least norm; `start`, which lies in the cones but for rounding, where that is not found.
 [[nodiscard]] Eigen::VectorXd least_with_resultants(const Eigen::SparseMatrix<double>& resultants,
                                                     const Eigen::VectorXd& start, const std::vector<ForceCone>& cones);
 

@@ -17,7 +17,7 @@ Eigen::VectorXd least_with_resultants(const Eigen::SparseMatrix<double>& resulta
   const Eigen::VectorXd d = resultants * start;
   const double size = d.norm();
   if (size == 0.0) return start;
-  // Of the product with itself, at most.
+  // The mean of the diagonal of its product with itself.
   const double scale = resultants.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, resultants.rows()));
   Eigen::VectorXd y = Eigen::VectorXd::Zero(d.size()), x = start;
   const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& gradient) {

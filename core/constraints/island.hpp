@@ -106,8 +106,8 @@ class Island {
   // rates of contacts that touch stay zero. Returns whether there was one.
   bool end_returns(double depth);
   // Of bodies on each other: the same of slips that the forces of the last resolve() would end within this distance
-  // (m): a small impact leaves some in all pairs around it. began: only of those that were not there before. Gap rates
-  // up to `negligible` (m/s) become zero.
+  // (m): a small impact leaves some in all pairs around it. began: only of those that were not there before. Slower
+  // ones than `negligible` (m/s) are none. Returns whether there was one.
   bool end_short_slips(double distance, bool began, double negligible);
   // Applies jamming impulses: they end slip faster than `negligible` (m/s) of the nodes for which the last resolve()
   // failed. Returns whether there was one.
@@ -185,6 +185,8 @@ class Island {
     std::size_t node, side;
     Vector3 direction;  // unit
   };
+  [[nodiscard]] std::vector<Row> kept_rows() const;
+  void add_across(std::size_t node, std::vector<Row>& rows) const;  // of the directions in which it can slide
   void end_rates(const std::vector<Row>& rows);
   void stop_all(const std::vector<ContactNode>& start, double negligible);
 

@@ -15,11 +15,11 @@
 namespace springnet {
 namespace {
 
-constexpr int max_directions = 200;   // iterations for directions of beginning slip
-constexpr int max_guesses = 20;       // of them, fixed-point iterations along the acceleration
-constexpr double reversed = 0.1;      // length of the sum of two unit vectors: they are opposite
+constexpr int max_directions = 200;  // iterations for directions of beginning slip
+constexpr int max_guesses = 20;      // of them, fixed-point iterations along the acceleration
+constexpr double reversed = 0.1;     // length of the sum of two unit vectors: they are opposite
 constexpr double held_share = 1e-6;  // of a mobility, below which others hold what it belongs to
-constexpr double reversing = 1e-6;    // acceleration against a slip, in units of what forces give, that is its end
+constexpr double reversing = 1e-6;   // acceleration against a slip, in units of what forces give, that is its end
 
 // Its direction follows the acceleration.
 bool begins_slip(const ContactNode& node) {

@@ -97,7 +97,8 @@ LocalForceModel& Engine::local_force() {
 }
 
 const std::vector<Vector3>& Engine::pair_forces() {
-  if (model_.stale.pair_forces) {
+  // A step that fails may leave other pairs.
+  if (model_.stale.pair_forces || pair_forces_.size() != model_.constraints.bodies().touching().size()) {
     const profile::Stage stage("reactions");
     pair_forces_ = smallest_pair_forces(model_);
     model_.stale.pair_forces = false;

@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t most_pairs = 20'000;  // of a group; a face of 1000 nodes on another has some 4000
 constexpr std::size_t most_in_cluster = 100;
 constexpr double little = 1e-6;  // share of a force
+constexpr double most_turn = 0.1;
 
 using Matrix = Eigen::SparseMatrix<double>;
 
@@ -40,10 +41,11 @@ void add(std::size_t place, const PairMotion& motion, const Vector3& force, doub
   const double pressing = n.dot(force), across = motion.along(force).norm();
   const Vector3 slip = motion.slip();
   const auto first = static_cast<Eigen::Index>(to.all.size());
-  // Friction of a pair that does not press: normals turned while it acted.
-  if (pressing <= little * force.norm() && !force.isZero(0.0)) return;
+  // Normals turn while a force acts; one that hardly presses any more says nothing of its direction.
+  if (across > (most_turn + 2.0 * coefficient) * pressing) return;
   const bool is_held = coefficient >= friction_of_held;
-  const bool sticks = coefficient > 0.0 && slip.norm() <= slow && (is_held || across <= (1.0 + little) * coefficient * pressing);
+  const bool sticks =
+      coefficient > 0.0 && slip.norm() <= slow && (is_held || across <= (1.0 + little) * coefficient * pressing);
   to.cones.push_back({first, sticks && !is_held, sticks && !is_held ? coefficient : 0.0});
   if (!sticks) {
     // The normal turned a little since the force acted.
