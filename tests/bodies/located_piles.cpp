@@ -40,10 +40,12 @@ TEST_CASE("the reference: soft blocks that fall onto each other rock, stick and 
       for (const NodeIndex first : {0u, 27u})
         CHECK(std::abs(mean_height(s, first, 27) - mean_height(explicit_steps, first, 27)) <= 8e-5);
     }
-    // They meet at 0.08 s. Forces that alternate between pairs take at least five times as many.
-    CHECK(s.statistics().at("restarts") <= (mu > 0.0 ? 4000.0 : 1000.0));
+    // They meet at 0.08 s. Forces that alternate between pairs take at least five times as many, and the slips that
+    // each small impact leaves in all pairs around it three times as many.
+    CHECK(s.statistics().at("restarts") <= 1300.0);
     const auto events = count_events(s);
     CHECK(events.met >= 50);
+    CHECK(events.slipped <= 150);
   }
 }
 
