@@ -15,7 +15,10 @@ Table contacts() {
                    Columns::Cell::text},
                   {{"x", "y", "z"}, "m", "where, in the middle of the gap that their thickness fills"},
                   {{"nx", "ny", "nz"}, "", "direction from the second to the first, of length 1"},
-                  {{"fx", "fy", "fz"}, "N", "force on the first: mean over the last step, in `cvode` at the time"}},
+                  {{"fx", "fy", "fz"},
+                   "N",
+                   "force on the first: mean over the last step, in `cvode` at the time; of redundant pairs the "
+                   "smallest that do the same"}},
       .wanted = [](const Network& network,
                    const OutputOptions& options) { return options.contacts && !network.contacts().empty(); },
       .leave_out_hint = "leave out {} (output.contacts = false)",
