@@ -172,8 +172,8 @@ Vector3 Island::slides(std::size_t i) const {
 
 // The directions of all beginning slips at once, by Newton's method on their angles: of each, the acceleration across
 // it vanishes. Where a slip ends, the acceleration along it passes through zero as a smooth function. False, with the
-// directions as they were: it does not converge, or leads elsewhere. by_difference: with derivatives that hold also
-// where redundant forces change with the slips.
+// directions as they were: it does not converge, or leads elsewhere. may_reverse: accelerations against the slips fit,
+// too. by_difference: with derivatives that hold also where redundant forces change with the slips.
 bool Island::follow_slips(bool may_reverse, bool by_difference) {
   constexpr int most = 12, most_halvings = 6;
   constexpr double probe = 1e-6, longest = 0.5, accuracy = 1e-13, converged = 1e-10;
@@ -266,7 +266,7 @@ void Island::solve(bool keeps_slips) {
     for (const ContactNode& node : nodes_) kept.push_back(node.slip);
   std::vector<Vector3> given;
   for (const ContactNode& node : nodes_) given.push_back(node.slip);
-  // Pairs turn each other's slips. Most often these have turned a little since the last time.
+  // Pairs turn each other's slips, most often by little since the last time.
   if (has_pairs_ && follow_slips(keeps_slips, false)) return;
   double turned = 0.0, turned_before = std::numeric_limits<double>::infinity();  // at the last check
   for (int iteration = 0; iteration < max_directions; ++iteration) {

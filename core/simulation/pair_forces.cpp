@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t most_pairs = 20'000;  // of a group; a face of 1000 nodes on another has some 4000
 constexpr std::size_t most_in_cluster = 100;
-constexpr double little = 1e-6;  // share of a force
-constexpr double most_turn = 0.1;
+constexpr double little = 1e-6;    // share of a force
+constexpr double most_turn = 0.1;  // of a normal while its force acts, rad
 
 using Matrix = Eigen::SparseMatrix<double>;
 
@@ -41,7 +41,8 @@ void add(std::size_t place, const PairMotion& motion, const Vector3& force, doub
   const double pressing = n.dot(force), across = motion.along(force).norm();
   const Vector3 slip = motion.slip();
   const auto first = static_cast<Eigen::Index>(to.all.size());
-  // Normals turn while a force acts; one that hardly presses any more says nothing of its direction.
+  // Normals turn while a force acts: what hardly presses along that of now has no direction to keep, and stays as it
+  // is.
   if (across > (most_turn + 2.0 * coefficient) * pressing) return;
   const bool is_held = coefficient >= friction_of_held;
   const bool sticks =
@@ -66,7 +67,7 @@ void add(std::size_t place, const PairMotion& motion, const Vector3& force, doub
 class Resultants {
  public:
   Resultants(const Model& model, const std::vector<PairMotion>& motions, const Unknowns& unknowns)
-      : model_(model), motions_(motions), unknowns_(unknowns) {
+      : model_(model), count_(unknowns.all.size()) {
     for (std::size_t u = 0; u < unknowns.all.size(); ++u) {
       const PairMotion& motion = motions[unknowns.all[u].pair];
       for (std::size_t i = 0; i < motion.count; ++i) {
@@ -91,7 +92,7 @@ class Resultants {
       if (nodes.size() > most_in_cluster) return {};
       add_cluster(clusters.clusters().at(number).mobility(nodes), nodes);
     }
-    Matrix result(rows_, static_cast<Eigen::Index>(unknowns_.all.size()));
+    Matrix result(rows_, static_cast<Eigen::Index>(count_));
     result.setFromTriplets(entries_.begin(), entries_.end());
     return result;
   }
@@ -120,8 +121,7 @@ class Resultants {
   }
 
   const Model& model_;
-  const std::vector<PairMotion>& motions_;
-  const Unknowns& unknowns_;
+  std::size_t count_;                                // of the unknowns
   std::map<std::uint32_t, std::vector<Use>> users_;  // [node]
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::Index rows_ = 0;
