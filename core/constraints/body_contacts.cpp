@@ -226,6 +226,20 @@ const BodyContact& BodyContacts::law_of(proximity::PairKind kind, proximity::Pai
   return contacts_[law_of_groups_[group_of(pair.first, false) * groups_ + group_of(pair.second, true)]];
 }
 
+bool BodyContacts::touches(proximity::PairKind kind, proximity::Pair pair) const {
+  const std::pair key(kind, pair);
+  const auto place = std::lower_bound(touching_.begin(), touching_.end(), key,
+                                      [](const PairTouch& touch, const auto& of) { return touch.key() < of; });
+  return place != touching_.end() && place->key() == key;
+}
+
+void BodyContacts::set_located(bool located) {
+  located_ = located && any();
+  if (located_ && shared_ == nullptr) shared_ = std::make_unique<proximity::SharedFeatures>(primitives());
+  if (located_) return;
+  for (PairTouch& touch : touching_) touch.between = 0;
+}
+
 std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pair) const {
   const std::array<NodeIndex, 4> nodes = primitives().nodes_of(kind, pair);
   const auto number = [&](std::size_t i) { return user_number_[nodes[i]]; };
@@ -241,9 +255,10 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 105, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 106, "contacts of bodies");
   touching_.resize(count);
   archive.flag(located_);
+  if (archive.reads()) set_located(located_);
   for (PairTouch& each : touching_) {
     archive.below(each.kind, 3, "a kind of contact");
     const auto all = [&](bool second) -> std::uint64_t {
@@ -258,6 +273,10 @@ void BodyContacts::archive(Archive& archive) {
     archive.flag(each.sticks);
     archive.below(each.phase, 3, "a phase of slip");
     archive.vector(each.slip);
+    archive.below(each.between, proximity::all_features(each.kind) + 1, "where bodies touch");
+    const unsigned firsts = (1u << proximity::first_nodes(each.kind)) - 1u;
+    if (each.between != 0 && ((each.between & firsts) == 0 || (each.between & ~firsts) == 0))
+      Archive::refuse("bodies touch nowhere");
     if (!each.force.allFinite() || !each.guess.allFinite() || !each.slip.allFinite())
       Archive::refuse("a force of bodies is not finite");
     if (!primitives().may_touch(each.kind, each.pair)) Archive::refuse("bodies touch that are not in contact");
@@ -300,6 +319,7 @@ void BodyContacts::take_over(const BodyContacts& before, const layers::NumbersBe
       touch.guess = -touch.guess;
       touch.slip = -touch.slip;
     }
+    touch.between = 0;  // the order of a primitive's nodes may be another one
     // Balls that a new spring joins touch no more.
     if (primitives().may_touch(touch.kind, touch.pair)) touching_.push_back(touch);
   }

@@ -17,6 +17,7 @@
 #include "layers/numbers_before.hpp"
 #include "proximity/near_pairs.hpp"
 #include "proximity/neighbour_list.hpp"
+#include "proximity/shared_features.hpp"
 #include "text/archive.hpp"
 
 namespace springnet {
@@ -34,7 +35,8 @@ struct PairTouch {
   // While events are located, as of nodes on obstacles: friction holds it, or it slides.
   bool sticks = false;
   Contact::Slip phase = Contact::Slip::ongoing;
-  Vector3 slip = Vector3::Zero();  // unit, of the first on the second: the last direction, or where the slip began
+  Vector3 slip = Vector3::Zero();   // unit, of the first on the second: the last direction, or where the slip began
+  proximity::Features between = 0;  // where it touches; 0: wherever it is closest
   auto key() const noexcept { return std::pair(kind, pair); }
 };
 
@@ -53,6 +55,16 @@ class BodyContacts {
   // The contact of the scene that a pair is of; one with the greater number where it is of two.
   [[nodiscard]] const BodyContact& law_of(proximity::PairKind kind, proximity::Pair pair) const;
 
+  // Whether two pairs have the same law and thickness.
+  [[nodiscard]] bool touch_alike(proximity::PairKind kind, proximity::Pair pair, proximity::PairKind other_kind,
+                                 proximity::Pair other) const {
+    return &law_of(kind, pair) == &law_of(other_kind, other) &&
+           primitives().thickness(kind, pair) == primitives().thickness(other_kind, other);
+  }
+  // While events are located.
+  [[nodiscard]] const proximity::SharedFeatures& shared() const { return *shared_; }
+  [[nodiscard]] bool touches(proximity::PairKind kind, proximity::Pair pair) const;
+
   // Pairs that touch at the committed state, by kind, then in order.
   [[nodiscard]] const std::vector<PairTouch>& touching() const noexcept { return touching_; }
   // Of a pair that is checked, m.
@@ -64,7 +76,7 @@ class BodyContacts {
   // Whether an integrator locates events: up to the next one the pairs that touch go on touching, and stick or slide as
   // they do. False: steps decide that.
   [[nodiscard]] bool located() const noexcept { return located_; }
-  void set_located(bool located) noexcept { located_ = located; }
+  void set_located(bool located);
   void archive(Archive& archive);
   // Of the network before it was extended: pairs that touch go on touching.
   void take_over(const BodyContacts& before, const layers::NumbersBefore& numbers);
@@ -79,6 +91,7 @@ class BodyContacts {
   std::unique_ptr<proximity::NeighbourList> list_;  // null: no contacts
   std::vector<PairTouch> touching_;
   bool located_ = false;
+  std::unique_ptr<proximity::SharedFeatures> shared_;  // null: not needed yet
 };
 
 // Whether some of the nodes in contact have rigid connections.

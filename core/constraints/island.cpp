@@ -435,7 +435,10 @@ bool Island::resolve(double negligible, bool thoroughly) {
   // Faces on faces have more pairs than determine forces: pivots run in circles.
   if (thoroughly && has_pairs_ && bits > max_pivoted) {
     const std::vector<ContactNode> before = nodes_;
-    if (relax(friction_of_held, Island::max_rounds, {}) && solves_as_relaxed()) return true;
+    // Redundant forces, and with them friction, may be shared in another way than the iteration has them: from its
+    // active set a few pivots lead to one that fits.
+    if (relax(friction_of_held, Island::max_rounds, {}) && (solves_as_relaxed() || pivot(negligible, changed)))
+      return true;
     nodes_ = before;
   }
   if (pivot(negligible, changed)) return true;

@@ -33,7 +33,7 @@ std::vector<PairMotion> ConstraintSet::pairs_at(const springnet_const_vectors& p
                                                 const springnet_const_vectors& velocity) const {
   std::vector<PairMotion> result;
   for (const PairTouch& touch : bodies_.touching())
-    result.push_back(pair_motion(bodies_, touch.kind, touch.pair, position, velocity, mass_.size()));
+    result.push_back(pair_motion(bodies_, touch, position, velocity, mass_.size()));
   return result;
 }
 

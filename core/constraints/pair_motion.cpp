@@ -33,10 +33,10 @@ constexpr double singular = 1e-9;
 
 PairMotion pair_motion(const BodyContacts& bodies, proximity::PairKind kind, proximity::Pair pair,
                        const springnet_const_vectors& position, const springnet_const_vectors& velocity,
-                       std::size_t node_count) {
+                       std::size_t node_count, proximity::Features between) {
   const proximity::Primitives& all = bodies.primitives();
   const std::array<Vector3, 4> x = all.corners(kind, pair, positions_of(position, node_count));
-  const proximity::Separation at = separation(kind, x);
+  const proximity::Separation at = between == 0 ? separation(kind, x) : separation_between(kind, x, between);
   PairMotion result;
   result.kind = kind;
   result.pair = pair;

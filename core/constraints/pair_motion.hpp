@@ -43,10 +43,17 @@ struct PairMotion {
   [[nodiscard]] Vector3 slip() const { return along(velocity); }  // m/s
 };
 
-// Of a pair that is checked, at a state of `node_count` nodes.
+// Of a pair that is checked, at a state of `node_count` nodes. between: see proximity::separation_between; 0: wherever
+// it is closest.
 [[nodiscard]] PairMotion pair_motion(const BodyContacts& bodies, proximity::PairKind kind, proximity::Pair pair,
                                      const springnet_const_vectors& position, const springnet_const_vectors& velocity,
-                                     std::size_t node_count);
+                                     std::size_t node_count, proximity::Features between = 0);
+// Of one that touches, between the features that it has touched at.
+[[nodiscard]] inline PairMotion pair_motion(const BodyContacts& bodies, const PairTouch& touch,
+                                            const springnet_const_vectors& position,
+                                            const springnet_const_vectors& velocity, std::size_t node_count) {
+  return pair_motion(bodies, touch.kind, touch.pair, position, velocity, node_count, touch.between);
+}
 
 // The row of its closest points, relative to each other, along a direction (unit).
 [[nodiscard]] ConstraintRow row_along(const PairMotion& pair, const Vector3& direction);

@@ -223,6 +223,70 @@ Separation separation(PairKind kind, const std::array<Vector3, 4>& x) {
   return of_edges(x);
 }
 
+Features features_of(PairKind kind, const std::array<double, 4>& weights, double least) {
+  unsigned result = 0;
+  for (int i = 0; i < first_nodes(kind) + second_nodes(kind); ++i)
+    if (std::abs(weights[static_cast<std::size_t>(i)]) > least) result |= 1u << i;
+  return static_cast<Features>(result);
+}
+
+bool are_nearly_parallel(PairKind kind, const std::array<Vector3, 4>& x) {
+  if (kind != PairKind::edge_edge) return false;
+  const Vector3 e = x[1] - x[0], f = x[3] - x[2];
+  return !(e.cross(f).squaredNorm() > nearly_parallel * e.squaredNorm() * f.squaredNorm());
+}
+
+Separation separation_between(PairKind kind, const std::array<Vector3, 4>& x, Features features) {
+  std::array<std::size_t, 4> places{};  // of the features' nodes
+  std::size_t firsts = 0, count = 0;
+  for (int i = 0; i < first_nodes(kind) + second_nodes(kind); ++i) {
+    if ((features >> i & 1u) == 0) continue;
+    places[count++] = static_cast<std::size_t>(i);
+    if (i < first_nodes(kind)) ++firsts;
+  }
+  Separation found;
+  Vector3 difference;
+  std::array<double, 4>& w = found.weights;
+  if (firsts == 1 && count == 2) {
+    w[places[0]] = 1.0;
+    w[places[1]] = -1.0;
+    difference = x[places[0]] - x[places[1]];
+  } else if (count == 3) {  // a point and a line
+    const bool point_first = firsts == 1;
+    const double sign = point_first ? 1.0 : -1.0;
+    const std::size_t point = point_first ? places[0] : places[2], from = places[point_first ? 1 : 0],
+                      to = places[point_first ? 2 : 1];
+    const Vector3 a = x[from] - x[point], e = x[to] - x[from];
+    const double length = e.squaredNorm();
+    if (!(length > 0.0)) return separation(kind, x);
+    const double t = -a.dot(e) / length;
+    w[point] = sign;
+    w[from] = -sign * (1.0 - t);
+    w[to] = -sign * t;
+    difference = -sign * Vector3(a - e * (a.dot(e) / length));
+  } else if (count == 4 && kind == PairKind::node_triangle) {
+    const Vector3 a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0], ab = x[2] - x[1], ac = x[3] - x[1];
+    const Vector3 normal = ab.cross(ac);
+    const double area = normal.squaredNorm();
+    if (!(area > nearly_parallel * ab.squaredNorm() * ac.squaredNorm())) return separation(kind, x);
+    const double of_b = c.cross(a).dot(normal) / area, of_c = a.cross(b).dot(normal) / area;
+    w = {1.0, of_b + of_c - 1.0, -of_b, -of_c};
+    difference = normal * (-a.dot(normal) / area);
+  } else if (count == 4 && !are_nearly_parallel(kind, x)) {
+    const Vector3 e = x[1] - x[0], f = x[3] - x[2], offset = x[2] - x[0], normal = e.cross(f);
+    const double area = normal.squaredNorm();
+    const double s = offset.cross(f).dot(normal) / area, t = offset.cross(e).dot(normal) / area;
+    w = {1.0 - s, s, t - 1.0, -t};
+    difference = normal * (-offset.dot(normal) / area);
+  } else {
+    return separation(kind, x);
+  }
+  found.distance = difference.norm();
+  if (!(found.distance > 0.0)) return separation(kind, x);
+  found.direction = difference / found.distance;
+  return found;
+}
+
 bool is_surely_beyond(PairKind kind, const std::array<Vector3, 4>& x, double reach) {
   // A product of a direction and a difference exceeds what is asked for.
   const auto exceeds = [reach](double product, double squared_direction) {

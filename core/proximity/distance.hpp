@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include <springnet/network_lists.hpp>
 
@@ -24,6 +25,21 @@ struct Separation {
 // rounding, the direction is that of the triangle's plane, of both edges' common perpendicular or, failing these, one
 // that depends on nothing but the corners.
 [[nodiscard]] Separation separation(PairKind kind, const std::array<Vector3, 4>& x);
+
+// Nodes of a pair, a bit each, in the order of PairKind: those whose weights are not zero span the feature of each
+// primitive that is closest to the other one, a corner, an edge or a face.
+using Features = std::uint8_t;
+[[nodiscard]] constexpr Features all_features(PairKind kind) noexcept {
+  return static_cast<Features>((1u << (first_nodes(kind) + second_nodes(kind))) - 1u);
+}
+// least: a weight counts from there on.
+[[nodiscard]] Features features_of(PairKind kind, const std::array<double, 4>& weights, double least = 0.0);
+// As above, but of these features as if they went on beyond their borders, with some weights of the other sign: it
+// changes smoothly where closest points leave a feature. Where that is nearly parallel to the other one, or has no
+// extent, as above.
+[[nodiscard]] Separation separation_between(PairKind kind, const std::array<Vector3, 4>& x, Features features);
+// The features that face each other do not determine closest points: edges that are nearly parallel.
+[[nodiscard]] bool are_nearly_parallel(PairKind kind, const std::array<Vector3, 4>& x);
 
 // True only if the distance is greater than `reach` (m, >= 0), up to rounding of some 1e-10 of the pair's extent, and
 // for most pairs for which it is: a plane across the

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "constraints/pair_features.hpp"
 #include "profile/stage.hpp"
 #include "simulation/impact_search.hpp"
 #include "simulation/pair_events.hpp"
@@ -64,7 +65,12 @@ double BodyImpactSearch::reach(const Watched& pair) const {
 bool BodyImpactSearch::is_inside(const Instant& at, const Watched& pair) const {
   const proximity::Primitives& all = model_.constraints.bodies().primitives();
   const proximity::Separation now = separation(pair.kind, all.corners(pair.kind, pair.pair, positions(at)));
-  return now.distance <= reach(pair) && can_move(model_, all.nodes_of(pair.kind, pair.pair), now.weights);
+  return now.distance <= reach(pair) && can_move(model_, all.nodes_of(pair.kind, pair.pair), now.weights) &&
+         !is_said(at, pair, now);
+}
+
+bool BodyImpactSearch::is_said(const Instant& at, const Watched& pair, const proximity::Separation& now) const {
+  return is_said_by_touching(model_.constraints.bodies(), pair.kind, pair.pair, now.weights, positions(at));
 }
 
 bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, const Watched& pair) const {
@@ -92,7 +98,7 @@ bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, cons
   if (is_surely_beyond(pair.kind, start, std::max(0.0, reach) + travel)) return false;
   const proximity::Separation first = separation(pair.kind, start), last = separation(pair.kind, end);
   if (first.distance <= reach) return false;  // it is inside already
-  if (last.distance <= reach) return true;
+  if (last.distance <= reach) return !is_said(from, pair, first) || !is_said(until, pair, last);
   const auto is_beyond = [&](const Vector3& n0, const Vector3& n1) {
     double least = std::numeric_limits<double>::infinity(), turn = 0.0, bend = 0.0;
     for_each_between(ends, [&](std::size_t i, std::size_t j) {

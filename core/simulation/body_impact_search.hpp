@@ -45,6 +45,8 @@ class BodyImpactSearch {
   [[nodiscard]] proximity::Positions positions(const Instant& instant) const;
   [[nodiscard]] double reach(const Watched& pair) const;  // m: the distance at which it touches
   [[nodiscard]] bool is_inside(const Instant& at, const Watched& pair) const;
+  // Another pair that touches says the same.
+  [[nodiscard]] bool is_said(const Instant& at, const Watched& pair, const proximity::Separation& now) const;
   // It does not touch yet, and some of its nodes can move.
   [[nodiscard]] bool is_watched(proximity::PairKind kind, proximity::Pair pair) const;
   [[nodiscard]] bool may_touch(const Instant& from, const Instant& until, const Watched& pair) const;

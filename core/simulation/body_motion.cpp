@@ -72,8 +72,7 @@ springnet_status BodyMotion::find(Model& model, ReactionsAt& at) {
   nodes_.clear();
   std::vector<PairMotion> motions;
   for (const PairTouch& touch : bodies.touching())
-    motions.push_back(
-        pair_motion(bodies, touch.kind, touch.pair, at.all_positions(), at.all_velocities(), model.node_count()));
+    motions.push_back(pair_motion(bodies, touch, at.all_positions(), at.all_velocities(), model.node_count()));
   std::map<std::uint32_t, Vector3> free;
   std::vector<std::uint32_t> all;
   for (const PairMotion& motion : motions)

@@ -28,7 +28,7 @@ void drop_parted(Model& model) {
   const double most = std::max(gap_tolerance * bodies.least_thickness(), model.contact_tolerance());
   std::vector<PairTouch> touching = bodies.touching();
   std::erase_if(touching, [&](const PairTouch& touch) {
-    const PairMotion motion = pair_motion(bodies, touch.kind, touch.pair, read_only(model.state.view.position),
+    const PairMotion motion = pair_motion(bodies, touch, read_only(model.state.view.position),
                                           read_only(model.state.view.velocity), model.node_count());
     if (motion.gap <= most) return false;
     record_pair(model, Event::Kind::parted, model.time, motion, read_only(model.state.view.position),

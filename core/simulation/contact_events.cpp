@@ -172,7 +172,7 @@ springnet_status ContactEvents::values(const springnet_evaluation& request, doub
   for (std::size_t e = 0; e < all.size(); ++e) {
     const Source& source = all[e];
     if (directions != nullptr)
-      directions[e] = source.kind == Kind::seam                                    ? 0
+      directions[e] = source.kind == Kind::seam && source.pair < 0                 ? 0
                       : source.kind == Kind::release || source.kind == Kind::quick ? 1
                                                                                    : -1;
     if (const springnet_status status = value(source, reactions, values[e]); status != SPRINGNET_OK) return status;

@@ -22,7 +22,7 @@ class ContactEvents {
   struct Source {
     // rest: a slip has no speed left along its direction. slow: it is about to end, friction keeps its direction;
     // quick: friction follows the slip again. stall: the acceleration of a starting slip reverses. seam: a sliding node
-    // crosses a line where the curvature of its obstacle jumps.
+    // crosses a line where the curvature of its obstacle jumps, a pair comes to a border of a face or an edge.
     enum class Kind : std::uint8_t { touch, release, slip, rest, slow, quick, stall, seam };
     Kind kind;
     std::uint32_t index;  // node
@@ -93,6 +93,7 @@ class ContactEvents {
   [[nodiscard]] double beyond_cone(const Source& slip, AtCommitted& at) const;        // N
   [[nodiscard]] double beyond_brace(const Source& release, AtCommitted& at) const;    // m/s^2
   [[nodiscard]] double beyond_release(const Source& release, AtCommitted& at) const;  // N
+  [[nodiscard]] double behind_border(const Source& seam, AtCommitted& at) const;      // 1
   // N, by which forces have to leave their cones to count: those of redundant pairs lie on the boundaries of cones as
   // long as others bear the rest.
   [[nodiscard]] double on_cones() const;
@@ -104,6 +105,7 @@ class ContactEvents {
   Topology& topology_;
   std::vector<Source> sources_;
   std::map<std::pair<proximity::PairKind, proximity::Pair>, double> pair_depths_;
+  double pair_tolerance_ = 0.0;  // m
   std::uint64_t sources_revision_ = 0;
   std::uint64_t committed_revision_ = 0;  // of the network at the last commit
 };

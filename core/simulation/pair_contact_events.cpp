@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "constraints/friction.hpp"
+#include "constraints/pair_features.hpp"
 #include "simulation/body_groups.hpp"
 #include "simulation/contact_events.hpp"
 #include "simulation/pair_events.hpp"
@@ -16,7 +17,7 @@ constexpr double times_overlap = 4.0;  // from which on a pair that overlaps a l
 
 void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
   const BodyContacts& bodies = model_.constraints.bodies();
-  const double tolerance = model_.contact_tolerance();
+  const double tolerance = pair_tolerance_ = model_.contact_tolerance();
   for (const proximity::NearPair& each : pairs_apart_within(model_, read_only(model_.state.view.position), 0.0))
     if (each.gap < 0.0) pair_depths_[{each.kind, each.pair}] = tolerance - times_overlap * each.gap;
   constexpr std::uint32_t no_surface = 0xffffffffu;
@@ -28,6 +29,10 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
     };
     add(Kind::release);
     sources_.back().offset = beyond_release(sources_.back(), at) - on_cones();
+    if (touch.kind != proximity::PairKind::node_node) {
+      add(Kind::seam);
+      sources_.back().offset = behind_border(sources_.back(), at);
+    }
     const double mu = coefficient_of(bodies.law_of(touch.kind, touch.pair).friction);
     if (!(mu > 0.0) || (touch.sticks && !std::isfinite(mu))) continue;
     if (touch.sticks) {
@@ -51,6 +56,12 @@ double ContactEvents::beyond_release(const Source& source, AtCommitted& at) cons
   return -2.0 * pulling - rounding_of_force * model_.scales.force;
 }
 
+double ContactEvents::behind_border(const Source& source, AtCommitted& at) const {
+  double before = 0.0;
+  if (value(source, at(), before) != SPRINGNET_OK || before > 0.0) return 0.0;
+  return feature_border - before;
+}
+
 double ContactEvents::on_cones() const {
   const BodyContacts& bodies = model_.constraints.bodies();
   if (!bodies.located() || bodies.touching().empty()) return 0.0;
@@ -71,6 +82,11 @@ springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& re
   switch (source.kind) {
     case Kind::release:
       value = source.offset - pair.pressing;
+      break;
+    case Kind::seam:
+      value = before_border(bodies, touch, pair.motion, positions_of(reactions.all_positions(), model_.node_count()),
+                            pair_tolerance_) +
+              source.offset;
       break;
     case Kind::slip:
       value = cone_margin(coefficient_of(bodies.law_of(touch.kind, touch.pair).friction), pair.pressing,
@@ -97,7 +113,7 @@ springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& re
 
 void ContactEvents::find_pair(const Source& source, double time, const State& state, Findings& findings) {
   PairTouch& touch = model_.constraints.bodies().touching()[static_cast<std::size_t>(source.pair)];
-  const Vector3 slip = pair_motion(model_.constraints.bodies(), touch.kind, touch.pair, read_only(state.view.position),
+  const Vector3 slip = pair_motion(model_.constraints.bodies(), touch, read_only(state.view.position),
                                    read_only(state.view.velocity), model_.node_count())
                            .slip();
   const double rest = model_.contact.rest_speed(), speed = slip.norm();
@@ -115,6 +131,10 @@ void ContactEvents::find_pair(const Source& source, double time, const State& st
     case Kind::release:
       finding().released = true;
       model_.changed();  // the offset follows the forces
+      break;
+    case Kind::seam:
+      finding().at_border = true;
+      model_.changed();  // the force may jump
       break;
     case Kind::slip:
       finding().slips = true;
@@ -142,11 +162,14 @@ void ContactEvents::find_pair(const Source& source, double time, const State& st
 
 void ContactEvents::find_impacts(const State& state, Findings& findings) {
   const BodyContacts& bodies = model_.constraints.bodies();
+  const proximity::Positions x = positions_of(read_only(state.view.position), model_.node_count());
   for (const proximity::NearPair& each :
        pairs_apart_within(model_, read_only(state.view.position), model_.contact_tolerance())) {
     const PairMotion motion = pair_motion(bodies, each.kind, each.pair, read_only(state.view.position),
                                           read_only(state.view.velocity), model_.node_count());
-    if (motion.normal.dot(motion.velocity) < -model_.no_speed()) findings.pairs[{each.kind, each.pair}];
+    if (motion.normal.dot(motion.velocity) < -model_.no_speed() &&
+        !is_said_by_touching(bodies, each.kind, each.pair, motion.weights, x))
+      findings.pairs[{each.kind, each.pair}];
   }
 }
 

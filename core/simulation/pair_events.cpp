@@ -63,7 +63,7 @@ std::vector<proximity::NearPair> pairs_apart_within(Model& model, const springne
 void keep_direction_of_pair(Model& model, double time, const State& state, PairTouch& touching) {
   BodyContacts& bodies = model.constraints.bodies();
   const springnet_const_vectors position = read_only(state.view.position), velocity = read_only(state.view.velocity);
-  const PairMotion motion = pair_motion(bodies, touching.kind, touching.pair, position, velocity, model.node_count());
+  const PairMotion motion = pair_motion(bodies, touching, position, velocity, model.node_count());
   const Vector3 slip = motion.slip();
   if (slip.isZero(0.0)) return;
   const Vector3 goes = slip.normalized();

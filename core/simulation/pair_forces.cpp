@@ -138,7 +138,7 @@ std::vector<Vector3> smallest_pair_forces(const Model& model) {
                                 velocity = read_only(model.state.view.velocity);
   std::vector<PairMotion> motions;
   for (const PairTouch& touch : bodies.touching())
-    motions.push_back(pair_motion(bodies, touch.kind, touch.pair, position, velocity, model.node_count()));
+    motions.push_back(pair_motion(bodies, touch, position, velocity, model.node_count()));
   double slow = model.no_speed();
   if (model.step_length > 0.0) slow = std::max(slow, 0.1 * PairTolerances(model).gap / model.step_length);
   for (const BodyGroup& group : body_groups(model, motions)) {

@@ -26,6 +26,7 @@ struct Finding {
 // The same about a pair of bodies.
 struct PairFinding {
   bool released = false, slips = false, slip_ended = false;
+  bool at_border = false;  // of the features between which it touches
 };
 
 struct Findings {
@@ -93,13 +94,19 @@ class Settling {
   // A pair that touches, or may touch now.
   struct Candidate {
     PairMotion motion;
-    PairTouch touch;     // as it is, or will be
-    bool was = false;    // it touched before
-    bool stays = false;  // it touches
-    bool ends = false;   // its slip, soon
+    PairTouch touch;          // as it is, or will be
+    bool was = false;         // it touched before
+    bool stays = false;       // it touches
+    bool ends = false;        // its slip, soon
+    bool takes_over = false;  // from another one
     PairFinding found;
   };
   void gather_candidates();
+  // Finds between which features pairs touch, and leaves those out that others say. In settling_borders.cpp.
+  void find_features();
+  void join_grooves();
+  void leave_out_said();
+  void take_over(Candidate& pair, const Candidate& from);
   [[nodiscard]] PairMotion motion_of(const Candidate& candidate) const;  // at the present state
   void add_pairs(std::vector<ContactNode>& nodes) const;
   // Of a pair: what an impulse changes of velocities, m/s, or in its place a push, N s^2, of positions, m.

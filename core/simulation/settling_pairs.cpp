@@ -28,15 +28,15 @@ void Settling::gather_candidates() {
     each.touch.kind = near.kind;
     each.touch.pair = near.pair;
   }
-  std::sort(candidates_.begin(), candidates_.end(),
-            [](const Candidate& a, const Candidate& b) { return a.touch.key() < b.touch.key(); });
-  std::vector<PairMotion> motions;
   for (Candidate& each : candidates_) {
-    each.motion = motion_of(each);
-    motions.push_back(each.motion);
     const auto found = findings_.pairs.find(each.touch.key());
     if (found != findings_.pairs.end()) each.found = found->second;
   }
+  find_features();
+  join_grooves();
+  leave_out_said();
+  std::vector<PairMotion> motions;
+  for (const Candidate& each : candidates_) motions.push_back(each.motion);
   groups_ = body_groups(model_, motions);
   group_done_.assign(groups_.size(), 0);
   for (std::size_t g = 0; g < groups_.size(); ++g)
@@ -44,8 +44,8 @@ void Settling::gather_candidates() {
 }
 
 PairMotion Settling::motion_of(const Candidate& candidate) const {
-  return pair_motion(model_.constraints.bodies(), candidate.touch.kind, candidate.touch.pair,
-                     read_only(state_.view.position), read_only(state_.view.velocity), model_.node_count());
+  return pair_motion(model_.constraints.bodies(), candidate.touch, read_only(state_.view.position),
+                     read_only(state_.view.velocity), model_.node_count());
 }
 
 springnet_status Settling::settle_pairs() {
@@ -53,7 +53,7 @@ springnet_status Settling::settle_pairs() {
   gather_candidates();
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const bool is_found = std::any_of(groups_[g].pairs.begin(), groups_[g].pairs.end(), [&](std::size_t i) {
-      return findings_.pairs.contains(candidates_[i].touch.key());
+      return candidates_[i].takes_over || findings_.pairs.contains(candidates_[i].touch.key());
     });
     if (!is_found) continue;
     if (const springnet_status status = settle(groups_[g].nodes.front()); status != SPRINGNET_OK) return status;

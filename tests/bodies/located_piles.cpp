@@ -69,7 +69,7 @@ TEST_CASE("the reference: a soft block rests on another exactly below it") {
   CHECK(count_events(s).slipped <= 2);
   CHECK(s.statistics().at("restarts") <= 20.0);
   Vector3 carried = Vector3::Zero();
-  REQUIRE(s.body_touches().size() >= 8);
+  REQUIRE(s.body_touches().size() >= 4);
   for (const BodyTouch& each : s.body_touches()) {
     carried += (each.nodes[0] >= 8 ? 1.0 : -1.0) * each.force;
     const double pressing = each.normal.dot(each.force);
