@@ -428,6 +428,18 @@ bool Island::solves_as_relaxed() {
   return true;
 }
 
+// Sides that were active and that the iteration has no need of, but does not open either, stay: which of redundant ones
+// it takes is chance.
+void Island::keep_touching(const std::vector<ContactNode>& before, double negligible) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::size_t s = 0; s < nodes_[i].sides.size(); ++s) {
+      ContactSide& side = nodes_[i].sides[s];
+      if (side.active || side.separating || !before[i].sides[s].active) continue;
+      const double opens = side.normal.dot(acceleration(i)) - side.target_acceleration;
+      side.active = opens <= 10.0 * negligible * block(i, i).norm();
+    }
+}
+
 bool Island::resolve(double negligible, bool thoroughly) {
   std::set<std::size_t> changed;
   const std::uint64_t start = active_set();
@@ -437,8 +449,10 @@ bool Island::resolve(double negligible, bool thoroughly) {
     const std::vector<ContactNode> before = nodes_;
     // Redundant forces, and with them friction, may be shared in another way than the iteration has them: from its
     // active set a few pivots lead to one that fits.
-    if (relax(friction_of_held, Island::max_rounds, {}) && (solves_as_relaxed() || pivot(negligible, changed)))
-      return true;
+    if (relax(friction_of_held, Island::max_rounds, {})) {
+      keep_touching(before, negligible);
+      if (solves_as_relaxed() || pivot(negligible, changed)) return true;
+    }
     nodes_ = before;
   }
   if (pivot(negligible, changed)) return true;

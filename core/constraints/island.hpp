@@ -177,6 +177,7 @@ class Island {
   // converge.
   bool relax(double held_coefficient, int rounds, const std::vector<Vector3>& from);
   bool solves_as_relaxed();  // after relax()
+  void keep_touching(const std::vector<ContactNode>& before, double negligible);
   [[nodiscard]] auto block(std::size_t row, std::size_t column) const {
     return mobility_.block<3, 3>(static_cast<Eigen::Index>(3 * row), static_cast<Eigen::Index>(3 * column));
   }
