@@ -319,7 +319,16 @@ void BodyContacts::take_over(const BodyContacts& before, const layers::NumbersBe
       touch.guess = -touch.guess;
       touch.slip = -touch.slip;
     }
-    touch.between = 0;  // the order of a primitive's nodes may be another one
+    // The order of a primitive's nodes may be another one.
+    const std::array<NodeIndex, 4> places = primitives().nodes_of(touch.kind, touch.pair);
+    const int count = first + proximity::second_nodes(touch.kind);
+    unsigned between = 0;
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < count; ++j)
+        if ((touch.between >> i & 1u) != 0 &&
+            places[static_cast<std::size_t>(j)] == now.at(nodes[static_cast<std::size_t>(i)]))
+          between |= 1u << j;
+    touch.between = static_cast<proximity::Features>(between);
     // Balls that a new spring joins touch no more.
     if (primitives().may_touch(touch.kind, touch.pair)) touching_.push_back(touch);
   }

@@ -15,12 +15,13 @@
 namespace springnet {
 namespace {
 
-constexpr int max_directions = 200;       // iterations for directions of beginning slip
-constexpr std::size_t max_iterated = 24;  // bits of the active set of bodies for which they are iterated
-constexpr int max_guesses = 20;           // of them, fixed-point iterations along the acceleration
-constexpr double reversed = 0.1;          // length of the sum of two unit vectors: they are opposite
-constexpr double held_share = 1e-6;       // of a mobility, below which others hold what it belongs to
-constexpr double reversing = 1e-6;        // acceleration against a slip, in units of what forces give, that is its end
+constexpr int max_directions = 200;          // iterations for directions of beginning slip
+constexpr std::size_t max_iterated = 24;     // bits of the active set of bodies for which they are iterated
+constexpr std::size_t max_differences = 12;  // of directions: each takes a solution
+constexpr int max_guesses = 20;              // of them, fixed-point iterations along the acceleration
+constexpr double reversed = 0.1;             // length of the sum of two unit vectors: they are opposite
+constexpr double held_share = 1e-6;          // of a mobility, below which others hold what it belongs to
+constexpr double reversing = 1e-6;  // acceleration against a slip, in units of what forces give, that is its end
 
 // Its direction follows the acceleration.
 bool begins_slip(const ContactNode& node) {
@@ -188,6 +189,7 @@ bool Island::follow_slips(bool may_reverse, bool by_difference) {
     begin.push_back(i);
     start.push_back(node.slip);
   }
+  if (by_difference && begin.size() > max_differences) return directions_fit_ = false;
   const auto count = static_cast<Eigen::Index>(begin.size());
   Eigen::VectorXd across(count), along(count);
   double scale = 0.0;

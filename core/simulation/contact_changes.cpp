@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 
+#include "constraints/pair_features.hpp"
 #include "constraints/vectors.hpp"
 #include "simulation/contact_notes.hpp"
 #include "simulation/pair_events.hpp"
@@ -28,13 +29,21 @@ void drop_parted(Model& model) {
   const double most = std::max(gap_tolerance * bodies.least_thickness(), model.contact_tolerance());
   std::vector<PairTouch> touching = bodies.touching();
   std::erase_if(touching, [&](const PairTouch& touch) {
-    const PairMotion motion = pair_motion(bodies, touch, read_only(model.state.view.position),
+    // Not as if the features between which they touched went on beyond their borders.
+    const PairMotion motion = pair_motion(bodies, touch.kind, touch.pair, read_only(model.state.view.position),
                                           read_only(model.state.view.velocity), model.node_count());
     if (motion.gap <= most) return false;
     record_pair(model, Event::Kind::parted, model.time, motion, read_only(model.state.view.position),
                 first_velocity(motion, read_only(model.state.view.velocity)), Vector3::Zero());
     return true;
   });
+  // Moved on over a border, they touch between others.
+  const proximity::Positions x = positions_of(read_only(model.state.view.position), model.node_count());
+  for (PairTouch& touch : touching) {
+    const PairMotion motion = pair_motion(bodies, touch, read_only(model.state.view.position),
+                                          read_only(model.state.view.velocity), model.node_count());
+    if (before_border(bodies, touch, motion, x, model.contact_tolerance()) < 0.0) touch.between = 0;
+  }
   bodies.set_touching(std::move(touching));
 }
 

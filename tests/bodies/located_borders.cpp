@@ -165,6 +165,26 @@ TEST_CASE("the reference: a ball that friction holds in a flat valley stays, how
   }
 }
 
+TEST_CASE(
+    "the reference: a ball that the program moves off its face falls, and one moved to another face rests there") {
+  Network net;
+  add_sheet(net, "sheet", 3, 2.0, {0, 0, 0}, Vector3::UnitX(), Vector3::UnitY(), of_surface, 1.0, true);
+  const NodeIndex ball = add_slider(net, {0.3, 0.123, reach}, at_rest, {Friction::Kind::coulomb, 0.3});
+  net.set_gravity({0, 0, -g});
+  Simulation s = simulate(net, reference(), 0.01);
+  advance(s, 3);
+  REQUIRE(s.body_touches().size() == 1);
+  s.set_position(ball, {-0.45, -0.2, reach});
+  advance(s, 3);
+  CHECK((s.position(ball) - Vector3(-0.45, -0.2, reach)).norm() <= 1e-9);
+  REQUIRE(s.body_touches().size() == 1);
+  CHECK((s.body_touches()[0].position.head<2>() - Vector3(-0.45, -0.2, 0).head<2>()).norm() <= 1e-9);
+  s.set_position(ball, {1.6, 0.1, reach});
+  advance(s, 3);
+  CHECK(s.position(ball)[2] == doctest::Approx(reach - 0.5 * g * 0.03 * 0.03).epsilon(1e-8));
+  CHECK(s.body_touches().empty());
+}
+
 // Each corner on the corner below it: they meet along edges and diagonals, and slide off these onto faces.
 TEST_CASE("the reference: soft boxes exactly above each other bounce, slide and stick") {
   const double mu = 0.2;
