@@ -93,7 +93,8 @@ double before_border(const BodyContacts& bodies, const PairTouch& touch, const P
         if (are_nearly_parallel(of, corners)) return;
         const proximity::Separation at = separation(of, corners);
         const std::array<NodeIndex, 4> nodes = all.nodes_of(of, other);
-        const auto count = static_cast<std::size_t>(proximity::first_nodes(of) + proximity::second_nodes(of));
+        const auto count = static_cast<std::size_t>(proximity::first_nodes(of)) +
+                           static_cast<std::size_t>(proximity::second_nodes(of));
         double before = 2.0 * feature_border;
         for (std::size_t i = 0; i < count; ++i)
           if (!is_on_features(nodes[i])) before = std::min(before, 2.0 * feature_border - std::abs(at.weights[i]));

@@ -49,7 +49,7 @@ PairMotion Settling::motion_of(const Candidate& candidate) const {
 }
 
 springnet_status Settling::settle_pairs() {
-  if (findings_.pairs.empty()) return SPRINGNET_OK;
+  if (findings_.pairs.empty() && !gathered_) return SPRINGNET_OK;
   gather_candidates();
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const bool is_found = std::any_of(groups_[g].pairs.begin(), groups_[g].pairs.end(), [&](std::size_t i) {
