@@ -226,6 +226,11 @@ const BodyContact& BodyContacts::law_of(proximity::PairKind kind, proximity::Pai
   return contacts_[law_of_groups_[group_of(pair.first, false) * groups_ + group_of(pair.second, true)]];
 }
 
+proximity::Separation BodyContacts::separation_of(const PairTouch& touch, const proximity::Positions& x) const {
+  const std::array<Vector3, 4> corners = primitives().corners(touch.kind, touch.pair, x);
+  return touch.between == 0 ? separation(touch.kind, corners) : separation_between(touch.kind, corners, touch.between);
+}
+
 bool BodyContacts::touches(proximity::PairKind kind, proximity::Pair pair) const {
   const std::pair key(kind, pair);
   const auto place = std::lower_bound(touching_.begin(), touching_.end(), key,
@@ -255,7 +260,7 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 106, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 113, "contacts of bodies");
   touching_.resize(count);
   archive.flag(located_);
   if (archive.reads()) set_located(located_);

@@ -63,6 +63,8 @@ class BodyContacts {
   }
   // While events are located.
   [[nodiscard]] const proximity::SharedFeatures& shared() const { return *shared_; }
+  // Of a pair that touches, between the features at which it does.
+  [[nodiscard]] proximity::Separation separation_of(const PairTouch& touch, const proximity::Positions& x) const;
   [[nodiscard]] bool touches(proximity::PairKind kind, proximity::Pair pair) const;
 
   // Pairs that touch at the committed state, by kind, then in order.

@@ -301,7 +301,7 @@ void for_each_body_force(const Model& model, const std::vector<Vector3>& of_pair
   const proximity::Positions x = positions_of(read_only(model.state.view.position), model.node_count());
   for (std::size_t t = 0; t < of_pairs.size(); ++t) {
     const PairTouch& touch = bodies.touching()[t];
-    const proximity::Separation at = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
+    const proximity::Separation at = bodies.separation_of(touch, x);
     const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
     const int count = proximity::first_nodes(touch.kind) + proximity::second_nodes(touch.kind);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) use(nodes[i], at.weights[i] * of_pairs[t]);

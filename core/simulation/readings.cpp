@@ -239,7 +239,7 @@ std::vector<BodyTouch> Simulation::body_touches() const {
   const proximity::Positions x = positions_of(read_only(model.state.view.position), model.node_count());
   for (std::size_t t = 0; t < forces.size(); ++t) {
     const PairTouch& touch = bodies.touching()[t];
-    const proximity::Separation now = separation(touch.kind, bodies.primitives().corners(touch.kind, touch.pair, x));
+    const proximity::Separation now = bodies.separation_of(touch, x);
     const std::array<NodeIndex, 4> nodes = bodies.primitives().nodes_of(touch.kind, touch.pair);
     BodyTouch& each = result.emplace_back();
     each.first = static_cast<std::uint8_t>(proximity::first_nodes(touch.kind));

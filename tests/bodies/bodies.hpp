@@ -130,6 +130,24 @@ inline Network dropped_blocks(int count, double mass, double friction = 0.5) {
   return net;
 }
 
+// Two soft boxes of 8 nodes exactly above each other on a floor, all with this friction. lift: m, of the first; apart:
+// m, their middles.
+inline Network boxes_above_each_other(double lift, double apart, double friction) {
+  Network net;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Lattice lattice{
+        {2, 2, 2}, Vector3::Constant(0.1), {0, 0, lift + apart * static_cast<double>(i)}, Diagonals::space};
+    net.add_lattice("box " + std::to_string(i), lattice, point(at_rest, 0.02), net.add_material(damped(1500.0, 1.0)));
+    net.set_extent(i, 0.01, 0.0);
+  }
+  touch_all(net, {Friction::Kind::coulomb, friction});
+  Plane floor;
+  floor.friction = {Friction::Kind::coulomb, friction};
+  net.add_plane(floor);
+  net.set_gravity({0, 0, -g});
+  return net;
+}
+
 // Balls of this mass and radius on each other, on a fixed one; node k is the k-th above it.
 inline Network pile_of_balls(int count, double mass, double radius) {
   Network net;

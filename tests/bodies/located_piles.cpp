@@ -52,18 +52,8 @@ TEST_CASE("the reference: soft blocks that fall onto each other rock, stick and 
 // Corner on corner, with edges and diagonals above each other, so that most pairs are redundant: they share the weight
 // within their cones, and hardly any slips. The search for meetings once halved its steps for ever here.
 TEST_CASE("the reference: a soft block rests on another exactly below it") {
-  const double mass = 0.02, mu = 0.5, thickness = 0.01;
-  Network net;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Lattice lattice{{2, 2, 2}, Vector3::Constant(0.1), {0, 0, 0.11 * static_cast<double>(i)}, Diagonals::space};
-    net.add_lattice("block " + std::to_string(i), lattice, point(at_rest, mass), net.add_material(damped(1500.0, 1.0)));
-    net.set_extent(i, thickness, 0.0);
-  }
-  touch_all(net, {Friction::Kind::coulomb, mu});
-  Plane floor;
-  floor.friction = {Friction::Kind::coulomb, mu};
-  net.add_plane(floor);
-  net.set_gravity({0, 0, -g});
+  const double mass = 0.02, mu = 0.5;
+  const Network net = boxes_above_each_other(0.0, 0.11, mu);
   Simulation s = simulate(net, reference(1e-6), 0.005);
   advance(s, 300);  // by then hardly anything is left of what its weight makes it sway
   CHECK(count_events(s).slipped <= 2);
