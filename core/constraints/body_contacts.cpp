@@ -260,7 +260,7 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 113, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 121, "contacts of bodies");
   touching_.resize(count);
   archive.flag(located_);
   if (archive.reads()) set_located(located_);
@@ -279,10 +279,12 @@ void BodyContacts::archive(Archive& archive) {
     archive.below(each.phase, 3, "a phase of slip");
     archive.vector(each.slip);
     archive.below(each.between, proximity::all_features(each.kind) + 1, "where bodies touch");
+    archive.number(each.held_gap);
     const unsigned firsts = (1u << proximity::first_nodes(each.kind)) - 1u;
     if (each.between != 0 && ((each.between & firsts) == 0 || (each.between & ~firsts) == 0))
       Archive::refuse("bodies touch nowhere");
-    if (!each.force.allFinite() || !each.guess.allFinite() || !each.slip.allFinite())
+    if (!each.force.allFinite() || !each.guess.allFinite() || !each.slip.allFinite() ||
+        !std::isfinite(each.held_gap))
       Archive::refuse("a force of bodies is not finite");
     if (!primitives().may_touch(each.kind, each.pair)) Archive::refuse("bodies touch that are not in contact");
   }

@@ -37,6 +37,7 @@ struct PairTouch {
   Contact::Slip phase = Contact::Slip::ongoing;
   Vector3 slip = Vector3::Zero();   // unit, of the first on the second: the last direction, or where the slip began
   proximity::Features between = 0;  // where it touches; 0: wherever it is closest
+  double held_gap = 0.0;            // m: as wide as it stays; not 0 where others at the same place are in the way
   auto key() const noexcept { return std::pair(kind, pair); }
 };
 

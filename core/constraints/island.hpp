@@ -106,9 +106,9 @@ class Island {
   // rates of contacts that touch stay zero. Returns whether there was one.
   bool end_returns(double depth);
   // Of bodies on each other: the same of slips that the forces of the last resolve() would end within this distance
-  // (m): a small impact leaves some in all pairs around it. began: only of those that were not there before. Slower
-  // ones than `negligible` (m/s) are none. Returns whether there was one.
-  bool end_short_slips(double distance, bool began, double negligible);
+  // (m): a small impact leaves some in all pairs around it. began: only of those that were not there before or are no
+  // faster than `slow` (m/s). Slower ones than `negligible` (m/s) are none. Returns whether there was one.
+  bool end_short_slips(double distance, bool began, double slow, double negligible);
   // Applies jamming impulses: they end slip faster than `negligible` (m/s) of the nodes for which the last resolve()
   // failed. Returns whether there was one.
   bool jam(double negligible);

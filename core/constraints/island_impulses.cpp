@@ -193,8 +193,9 @@ void Island::end_rocking(double slow, bool pulls) {
           apply(i, s, -rate / response * side.normal, std::abs(rate));
           continue;
         }
-        // Pairs of several faces at one place would otherwise push each other apart.
-        const double impulse = std::max(-rate / response, -side.normal.dot(nodes_[i].impulse[s]));
+        // Pairs of several faces at one place would otherwise push each other apart. What pulls already stays.
+        const double pushed = std::max(0.0, side.normal.dot(nodes_[i].impulse[s]));  // N s
+        const double impulse = std::max(-rate / response, -pushed);
         if (impulse != 0.0) apply(i, s, impulse * side.normal, std::abs(impulse) * response);
       }
       if (nodes_[i].sides.empty() || (nodes_[i].pair >= 0 && !pulls)) continue;
@@ -267,7 +268,7 @@ bool Island::end_returns(double depth) {
   return fastest() <= 0.5 * before;
 }
 
-bool Island::end_short_slips(double distance, bool began, double negligible) {
+bool Island::end_short_slips(double distance, bool began, double slow, double negligible) {
   if (!has_pairs_) return false;
   const auto slip_of = [this](std::size_t i) -> Vector3 {
     const ContactNode& node = nodes_[i];
@@ -279,9 +280,10 @@ bool Island::end_short_slips(double distance, bool began, double negligible) {
   double fastest = 0.0, left = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const ContactNode& node = nodes_[i];
-    if ((began && node.slid) || !node.slipping || node.slip_starting || slip_friction(node) == 0.0) continue;
+    if (!node.slipping || node.slip_starting || slip_friction(node) == 0.0) continue;
     const Vector3 slip = slip_of(i);
     const double speed = slip.norm(), slows = -slip.dot(slides(i));  // m/s, m^2/s^3
+    if (began && node.slid && speed > slow) continue;
     if (speed <= negligible || !(slows > 0.0) || cube(speed) > 2.0 * slows * distance) continue;
     ending.push_back(i);
     add_across(i, rows);

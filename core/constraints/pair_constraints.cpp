@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -13,7 +14,7 @@
 namespace springnet {
 namespace {
 
-constexpr int most_corrections = 8;     // each squares the error
+constexpr int most_corrections = 8;     // each squares the error, unless rows are nearly redundant
 constexpr double rounding = 4e-16;      // of positions
 constexpr double rounding_gaps = 32.0;  // times that, of the positions of a pair
 
@@ -83,18 +84,35 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
   const auto change = [](const springnet_vectors& values) {
     return [&values](std::uint32_t node, const Vector3& by) { put_vector(values, node, vector_at(values, node) + by); };
   };
+  // Each row in units of what it answers to itself, whatever the masses are.
+  const auto scale = [&](std::vector<ConstraintRow>& rows) {
+    Eigen::VectorXd scales(static_cast<Eigen::Index>(rows.size()));
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      double response = 0.0;
+      rows[r].for_each_end([&](std::size_t, std::uint32_t node, double weight) {
+        response += weight * weight * rows[r].direction.dot(mobility(node) * rows[r].direction);
+      });
+      const double by = response > 0.0 ? 1.0 / std::sqrt(response) : 1.0;
+      rows[r].direction *= by;
+      scales[static_cast<Eigen::Index>(r)] = by;
+    }
+    return scales;
+  };
+  double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_corrections; ++i) {
     const std::vector<PairMotion> pairs = pairs_at(read_only(position), read_only(velocity));
     std::vector<ConstraintRow> rows = rows_of(pairs, false);
     Eigen::VectorXd gaps(static_cast<Eigen::Index>(rows.size()));
     double greatest = 0.0, size = 0.0;
     for (std::size_t r = 0; r < pairs.size(); ++r) {
-      gaps[static_cast<Eigen::Index>(r)] = pairs[r].gap;
-      greatest = std::max(greatest, std::abs(pairs[r].gap));
+      const double gap = pairs[r].gap - bodies_.touching()[r].held_gap;
+      gaps[static_cast<Eigen::Index>(r)] = gap;
+      greatest = std::max(greatest, std::abs(gap));
       for (std::size_t j = 0; j < pairs[r].count; ++j)
         size = std::max(size, vector_at(position, pairs[r].nodes[j]).norm());
     }
-    if (greatest <= rounding_gaps * rounding * size) break;
+    if (greatest <= rounding_gaps * rounding * size || greatest > 0.5 * last) break;
+    last = greatest;
     add_obstacles(rows);
     const std::size_t first_rod = rows.size();
     add_rods(rows);
@@ -106,19 +124,21 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
     for (const std::uint32_t cluster : clusters)
       rigid_.for_each_stretch(cluster, read_only(position),
                               [&](double stretch) { gaps[static_cast<Eigen::Index>(r++)] = stretch; });
-    system.set(std::move(rows), mobility);
-    system.for_each_change(system.solve(-gaps), change(position));
+    const Eigen::VectorXd scales = scale(rows);
+    system.set(std::move(rows), mobility, ConstraintSystem::soft_shift_share);
+    system.for_each_change(system.solve_softly(-scales.cwiseProduct(gaps)), change(position));
   }
   std::vector<ConstraintRow> rows = rows_of(pairs_at(read_only(position), read_only(velocity)), true);
   add_obstacles(rows);
   add_rods(rows);
-  system.set(std::move(rows), mobility);
+  scale(rows);
+  system.set(std::move(rows), mobility, ConstraintSystem::soft_shift_share);
   const auto rates = system.rates([&](std::uint32_t node) { return vector_at(velocity, node); },
                                   [&](const ConstraintRow& row) {
                                     return Contact::velocity(at, static_cast<std::size_t>(row.surface),
                                                              vector_at(position, row.first));
                                   });
-  system.for_each_change(system.solve(-rates), change(velocity));
+  system.for_each_change(system.solve_softly(-rates), change(velocity));
 }
 
 }  // namespace springnet

@@ -64,6 +64,51 @@ proximity::Features groove_between(const BodyContacts& bodies, proximity::Pair p
   return at.distance - std::min(first.distance, second.distance) <= tolerance ? features : proximity::Features{0};
 }
 
+SideBySide side_by_side(proximity::PairKind kind, const std::array<Vector3, 4>& corners) {
+  SideBySide result;
+  if (!are_nearly_parallel(kind, corners)) return result;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    const unsigned other = corner < 2 ? 0b1100u : 0b0011u;
+    const proximity::Separation at =
+        separation_between(kind, corners, static_cast<proximity::Features>(1u << corner | other));
+    bool is_beside = true;
+    for (std::size_t i = 0; i < 4; ++i) is_beside = is_beside && (i < 2 ? at.weights[i] : -at.weights[i]) >= 0.0;
+    if (!is_beside) continue;
+    result.ends[result.count++] = features_of(kind, at.weights, least_weight);
+    result.farthest = std::max(result.farthest, at.distance);
+  }
+  return result;
+}
+
+double before_side_by_side(proximity::PairKind kind, const std::array<Vector3, 4>& corners, double tolerance) {
+  const SideBySide ends = side_by_side(kind, corners);
+  if (ends.count < 2) return 1.0;
+  return (ends.farthest - separation(kind, corners).distance) / tolerance - 1.0;
+}
+
+double gradient_difference(const PairMotion& a, const PairMotion& b) {
+  double sum = 0.0;
+  bool have_any = false;
+  std::array<bool, 4> of_b{};  // of nodes of b: a has them, too
+  for (std::size_t i = 0; i < a.count; ++i) {
+    Vector3 difference = a.weights[i] * a.normal;
+    for (std::size_t j = 0; j < b.count; ++j)
+      if (a.nodes[i] == b.nodes[j]) {
+        difference -= b.weights[j] * b.normal;
+        have_any = of_b[j] = true;
+      }
+    sum += difference.squaredNorm();
+  }
+  if (!have_any) return 2.0;
+  for (std::size_t j = 0; j < b.count; ++j)
+    if (!of_b[j]) sum += b.weights[j] * b.weights[j];
+  return std::sqrt(sum);
+}
+
+double before_same(const PairMotion& a, const PairMotion& b, double tolerance) {
+  return std::max(gradient_difference(a, b) - same_of_touching, std::abs(a.gap - b.gap) / tolerance - 1.0);
+}
+
 double before_border(const BodyContacts& bodies, const PairTouch& touch, const PairMotion& motion,
                      const proximity::Positions& x, double tolerance) {
   const auto firsts = static_cast<std::size_t>(proximity::first_nodes(touch.kind));

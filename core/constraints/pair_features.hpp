@@ -47,4 +47,26 @@ template <class Said>
 [[nodiscard]] double before_border(const BodyContacts& bodies, const PairTouch& touch, const PairMotion& motion,
                                    const proximity::Positions& x, double tolerance);
 
+// Where edges that are nearly parallel, and touch in between, begin and end to lie side by side.
+struct SideBySide {
+  std::array<proximity::Features, 4> ends{};  // a corner of one, and what it is beside of the other
+  std::size_t count = 0;                      // of these; 0: they do not
+  double farthest = 0.0;                      // m, distance at an end
+};
+[[nodiscard]] SideBySide side_by_side(proximity::PairKind kind, const std::array<Vector3, 4>& corners);
+// Below 0: at these ends, too, they are as close as in between, and the direction between them is that of its rounding.
+// tolerance: m, of gaps. 1 for all other pairs.
+[[nodiscard]] double before_side_by_side(proximity::PairKind kind, const std::array<Vector3, 4>& corners,
+                                         double tolerance);
+
+// How much the gaps of two pairs differ in how they change with positions: the norm of the difference of their gradients,
+// whose parts are at most 1; 2 where they have no node in common.
+[[nodiscard]] double gradient_difference(const PairMotion& a, const PairMotion& b);
+// Two pairs that run towards a border that they share, such as a corner over a face and the edges that cross beside it,
+// change with positions in the same way there. From this difference on they are one; those that touch already from a
+// smaller one on.
+inline constexpr double nearly_same = 1e-4, same_of_touching = 1e-5;
+// Below 0: the two are one, of pairs that touch. tolerance: m, of gaps.
+[[nodiscard]] double before_same(const PairMotion& a, const PairMotion& b, double tolerance);
+
 }  // namespace springnet

@@ -222,8 +222,29 @@ springnet_status BodyImpactSearch::find(double& time) {
   // No earlier than the start of the searched part: earlier searches found no pair deep enough.
   if (entered.empty() && !inside) return status_;
   const std::optional<double> begins = first(start, then, entered, {search_.step_from, then.time});
-  if (status_ == SPRINGNET_OK) time = std::max(search_.from, begins.value_or(then.time));
+  if (status_ != SPRINGNET_OK) return status_;
+  time = std::max(search_.from, begins ? first_approach(*begins, then, entered) : then.time);
   return status_;
+}
+
+// Right after a restart the interpolated velocity is not the derivative of the interpolated position, and may still be
+// that with which a pair parted where its gap has closed again already.
+double BodyImpactSearch::first_approach(double from, const Instant& until, const std::vector<Watched>& pairs) {
+  Instant at;
+  const auto touches = [&](const Instant& instant) {
+    return std::any_of(pairs.begin(), pairs.end(), [&](const Watched& pair) {
+      return is_inside(instant, pair) && approaches(instant, pair);
+    });
+  };
+  if (!evaluate(from, at) || touches(at) || !touches(until)) return from;
+  constexpr double precise = 1e-3;  // of the time between
+  double early = from, late = until.time;
+  while (late - early > precise * (until.time - from)) {
+    const double middle = 0.5 * (early + late);
+    if (!evaluate(middle, at)) return from;
+    (touches(at) ? late : early) = middle;
+  }
+  return late;
 }
 
 }  // namespace springnet

@@ -52,6 +52,8 @@ class BodyImpactSearch {
   [[nodiscard]] bool may_touch(const Instant& from, const Instant& until, const Watched& pair) const;
   [[nodiscard]] std::optional<double> first(const Instant& from, const Instant& until,
                                             const std::vector<Watched>& pairs, const Part& part);
+  // s: when one of these, the first of which is inside at `from`, is inside and approaches.
+  [[nodiscard]] double first_approach(double from, const Instant& until, const std::vector<Watched>& pairs);
 
   // m: a bound on how far paths are from straight ones.
   [[nodiscard]] double greatest_bend(const Instant& from, const Instant& until) const;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "simulation/body_motion.hpp"
 #include "simulation/model.hpp"
 #include "simulation/reactions_at.hpp"
 #include "simulation/settling.hpp"
@@ -84,6 +85,10 @@ class ContactEvents {
   };
   void add_sources_of(std::uint32_t node, double tolerance, const Placement& now, AtCommitted& at);
   void add_sources_of_pairs(AtCommitted& at);
+  void find_redundant();
+  // How far a pair that touches is from saying what others that touch say, too; below 0 it does. 1
+  [[nodiscard]] double before_redundant(std::int32_t pair, const BodyMotion& all,
+                                        const springnet_const_vectors& position) const;
   springnet_status pair_value(const Source& source, ReactionsAt& reactions, double& value) const;
   void find_pair(const Source& source, double time, const State& state, Findings& findings);
   // Pairs of bodies that approach within the contact tolerance.
@@ -106,6 +111,9 @@ class ContactEvents {
   std::vector<Source> sources_;
   std::map<std::pair<proximity::PairKind, proximity::Pair>, double> pair_depths_;
   double pair_tolerance_ = 0.0;  // m
+  // Of pairs that touch, what they may come to be: the same as these others, edges that are side by side.
+  std::vector<std::vector<std::size_t>> may_be_same_;
+  std::vector<std::uint8_t> may_be_side_by_side_;
   std::uint64_t sources_revision_ = 0;
   std::uint64_t committed_revision_ = 0;  // of the network at the last commit
 };

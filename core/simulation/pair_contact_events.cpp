@@ -1,6 +1,9 @@
 // Event functions of pairs of bodies that touch: release, slip and its end.
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "constraints/friction.hpp"
 #include "constraints/pair_features.hpp"
@@ -21,6 +24,7 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
   for (const proximity::NearPair& each : pairs_apart_within(model_, read_only(model_.state.view.position), 0.0))
     if (each.gap < 0.0) pair_depths_[{each.kind, each.pair}] = tolerance - times_overlap * each.gap;
   constexpr std::uint32_t no_surface = 0xffffffffu;
+  find_redundant();
   for (std::size_t i = 0; i < bodies.touching().size(); ++i) {
     const PairTouch& touch = bodies.touching()[i];
     const std::uint32_t node = bodies.primitives().nodes_of(touch.kind, touch.pair)[0];
@@ -43,6 +47,56 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
     add(Kind::rest);
     add(touch.phase == Contact::Slip::ongoing ? Kind::slow : Kind::quick);
     if (touch.phase == Contact::Slip::starting) add(Kind::stall);
+  }
+}
+
+double ContactEvents::before_redundant(std::int32_t place, const BodyMotion& all,
+                                       const springnet_const_vectors& position) const {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const auto i = static_cast<std::size_t>(place);
+  const PairTouch& touch = bodies.touching()[i];
+  const double tolerance = 0.5 * pair_tolerance_;
+  double result = 1.0;
+  for (const std::size_t other : may_be_same_[i])
+    result = std::min(result, before_same(all.pairs()[i].motion, all.pairs()[other].motion,
+                                          std::max(pair_tolerance_, model_.position_uncertainty)));
+  if (touch.between == proximity::all_features(proximity::PairKind::edge_edge) && may_be_side_by_side_[i] != 0)
+    result = std::min(
+        result, before_side_by_side(touch.kind,
+                                    bodies.primitives().corners(touch.kind, touch.pair,
+                                                                positions_of(position, model_.node_count())),
+                                    tolerance));
+  return result;
+}
+
+void ContactEvents::find_redundant() {
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const std::vector<PairTouch>& touching = bodies.touching();
+  const springnet_const_vectors position = read_only(model_.state.view.position),
+                                velocity = read_only(model_.state.view.velocity);
+  const double tolerance = 0.5 * pair_tolerance_;
+  std::vector<PairMotion> motions;
+  std::map<std::uint32_t, std::vector<std::size_t>> at_nodes;
+  may_be_same_.assign(touching.size(), {});
+  may_be_side_by_side_.assign(touching.size(), 0);
+  for (std::size_t i = 0; i < touching.size(); ++i) {
+    const PairTouch& touch = touching[i];
+    const PairMotion& motion =
+        motions.emplace_back(pair_motion(bodies, touch, position, velocity, model_.node_count()));
+    std::set<std::size_t> others;
+    for (std::size_t j = 0; j < motion.count; ++j) {
+      std::vector<std::size_t>& there = at_nodes[motion.nodes[j]];
+      others.insert(there.begin(), there.end());
+      there.push_back(i);
+    }
+    const auto is_inside = [](const PairTouch& each) { return each.between == proximity::all_features(each.kind); };
+    for (const std::size_t other : others)
+      if (is_inside(touch) && is_inside(touching[other]) && bodies.touch_alike(touch.kind, touch.pair, touching[other].kind, touching[other].pair) &&
+          before_same(motion, motions[other], std::max(pair_tolerance_, model_.position_uncertainty)) > 0.0)
+        may_be_same_[i].push_back(other);
+    const std::array<Vector3, 4> corners =
+        bodies.primitives().corners(touch.kind, touch.pair, positions_of(position, model_.node_count()));
+    may_be_side_by_side_[i] = before_side_by_side(touch.kind, corners, tolerance) > 0.0 ? 1 : 0;
   }
 }
 
@@ -87,6 +141,7 @@ springnet_status ContactEvents::pair_value(const Source& source, ReactionsAt& re
       value = before_border(bodies, touch, pair.motion, positions_of(reactions.all_positions(), model_.node_count()),
                             pair_tolerance_) +
               source.offset;
+      value = std::min(value, before_redundant(source.pair, *all, reactions.all_positions()));
       break;
     case Kind::slip:
       value = cone_margin(coefficient_of(bodies.law_of(touch.kind, touch.pair).friction), pair.pressing,
@@ -168,8 +223,10 @@ void ContactEvents::find_impacts(const State& state, Findings& findings) {
     const PairMotion motion = pair_motion(bodies, each.kind, each.pair, read_only(state.view.position),
                                           read_only(state.view.velocity), model_.node_count());
     if (motion.normal.dot(motion.velocity) < -model_.no_speed() &&
-        !is_said_by_touching(bodies, each.kind, each.pair, motion.weights, x))
+        !is_said_by_touching(bodies, each.kind, each.pair, motion.weights, x)) {
       findings.pairs[{each.kind, each.pair}];
+      model_.changed();  // the depth at which it touches follows its position, where it turns round before
+    }
   }
 }
 

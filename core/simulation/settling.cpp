@@ -396,8 +396,8 @@ springnet_status Settling::settle(std::uint32_t node) {
   for (const auto& [number, rods] : clusters_.clusters()) rods.project(state_.view.velocity);
   std::vector<ContactNode> nodes = gather();
   if (nodes.empty()) return SPRINGNET_OK;
-  Eigen::MatrixXd response = mobility(nodes);
-  Island island(std::move(nodes), std::move(response));
+  const Eigen::MatrixXd response = mobility(nodes);
+  Island island(std::move(nodes), response);
   std::vector<Vector3> came;  // m/s, [node of the island]
   for (const ContactNode& each : island.nodes())
     came.push_back(each.pair < 0 ? vector_at(state_.view.velocity, each.node)
@@ -450,7 +450,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     const double short_way = times_of_fall * times_of_fall * depth_;
     returned = is_resolved && returns++ < max_returns &&
-               (island.end_returns(short_way) || island.end_short_slips(short_way, !hit, no_speed_));
+               (island.end_returns(short_way) || island.end_short_slips(short_way, !hit, jump_, no_speed_));
     if (returned) {
       struck = true;
       continue;
@@ -473,6 +473,7 @@ springnet_status Settling::settle(std::uint32_t node) {
   }
   for (std::size_t i = 0; i < impulses.size(); ++i) island.nodes()[i].impulse = impulses[i];
   for (std::size_t i = 0; i < island.nodes().size(); ++i) commit_contact(island.nodes()[i], came[i]);
+  if (group_ != nullptr) push_apart(island, response);
   for (std::size_t i = 0; i < island.nodes().size(); ++i) {
     const ContactNode& each = island.nodes()[i];
     find_phase(each, island.acceleration(i), Scales::min_force * model_.scales.force / model_.mass[each.node]);

@@ -112,6 +112,9 @@ class Settling {
   // Of a pair: what an impulse changes of velocities, m/s, or in its place a push, N s^2, of positions, m.
   void apply_impulse(const Candidate& pair, const Vector3& impulse);
   void displace(const Candidate& pair, const Vector3& push);
+  void move(const std::map<std::uint32_t, Vector3>& pushes);  // [node] kg m
+  // Ends what overlaps is left of the pairs of an island that touch, and keeps their gaps from then on. response: D.
+  void push_apart(const Island& island, Eigen::MatrixXd response);
   void commit_pair(const ContactNode& node, const Vector3& came);
   void keep_slip_of_pair(ContactNode& node, double friction) const;
   void find_phase_of_pair(const ContactNode& node, const Vector3& acceleration, double negligible);

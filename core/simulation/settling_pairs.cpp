@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -23,7 +24,18 @@ void Settling::gather_candidates() {
     each.touch = touch;
     each.was = each.stays = true;
   }
-  for (const proximity::NearPair& near : pairs_apart_within(model_, read_only(state_.view.position), depth_)) {
+  // As near as those that it may take over from.
+  double widest = 0.0;  // m
+  for (const PairTouch& touch : bodies.touching()) widest = std::max(widest, touch.held_gap);
+  const auto may_take_over = [&](const proximity::NearPair& near) {
+    return std::any_of(bodies.touching().begin(), bodies.touching().end(), [&](const PairTouch& touch) {
+      const auto found = findings_.pairs.find(touch.key());
+      return found != findings_.pairs.end() && found->second.at_border && near.gap <= touch.held_gap + depth_ &&
+             bodies.touch_alike(touch.kind, touch.pair, near.kind, near.pair);
+    });
+  };
+  for (const proximity::NearPair& near : pairs_apart_within(model_, read_only(state_.view.position), widest + depth_)) {
+    if (near.gap > depth_ && !may_take_over(near)) continue;
     Candidate& each = candidates_.emplace_back();
     each.touch.kind = near.kind;
     each.touch.pair = near.pair;
@@ -129,10 +141,64 @@ void Settling::apply_impulse(const Candidate& pair, const Vector3& impulse) {
 void Settling::displace(const Candidate& pair, const Vector3& push) {
   std::map<std::uint32_t, Vector3> pushes;
   Lever(pair.motion).for_each([&](std::uint32_t k, double weight) { pushes[k] = weight * push; });
+  move(pushes);
+}
+
+void Settling::move(const std::map<std::uint32_t, Vector3>& pushes) {
   const springnet_vectors& position = state_.view.position;
   clusters_.spread(
       pushes, [&](std::uint32_t k, const Vector3& dp) { put_vector(position, k, vector_at(position, k) + dp); },
       [](std::uint32_t, const Vector3&) {});
+}
+
+// Pairs at nearly the same place overlap by different amounts, as positions are uncertain. The least motion that ends
+// the overlaps leaves some apart; to close these as well would take a large one.
+void Settling::push_apart(const Island& island, Eigen::MatrixXd response) {
+  std::vector<ContactNode> nodes = island.nodes();
+  double deepest = 0.0, size = 0.0;
+  for (ContactNode& node : nodes) {
+    const Vector3 p = vector_at(state_.view.position, node.node);
+    size = std::max(size, p.norm());
+    for (ContactSide& side : node.sides) {
+      double gap = 0.0;
+      if (node.pair < 0) {
+        gap = model_.contact.gap(*at_, static_cast<std::size_t>(side.surface), p);
+      } else {
+        const Candidate& pair = candidates_[static_cast<std::size_t>(node.pair)];
+        gap = motion_of(pair).gap;
+        if (pair.stays) deepest = std::max(deepest, -gap);
+      }
+      side.velocity = gap * side.normal;  // m, in place of m/s
+      side.friction = {Friction::Kind::none, 0.0};
+      side.restitution = 0.0;
+    }
+  }
+  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * size;
+  const bool pushes = deepest > rounding;
+  if (pushes) {
+    constexpr int rounds = 1000;  // what is left is overlap, too, but held
+    Island apart(std::move(nodes), std::move(response));
+    apart.apply_impact(0.0, rounding, rounds);
+    std::map<std::uint32_t, Vector3> all;  // kg m
+    const auto add = [&](std::uint32_t k, const Vector3& push) { all.try_emplace(k, Vector3::Zero()).first->second += push; };
+    for (const ContactNode& node : apart.nodes())
+      for (const Vector3& push : node.impulse) {
+        if (node.pair < 0)
+          add(node.node, push);
+        else
+          Lever(candidates_[static_cast<std::size_t>(node.pair)].motion).for_each([&](std::uint32_t k, double weight) {
+            add(k, weight * push);
+          });
+      }
+    move(all);
+  }
+  for (const ContactNode& node : island.nodes()) {
+    if (node.pair < 0) continue;
+    Candidate& pair = candidates_[static_cast<std::size_t>(node.pair)];
+    if (!pair.stays || (pair.was && !pushes)) continue;
+    pair.motion = motion_of(pair);
+    pair.touch.held_gap = std::abs(pair.motion.gap) > rounding ? pair.motion.gap : 0.0;
+  }
 }
 
 bool Settling::is_known(const ContactNode& node, const ContactSide& side) const {
