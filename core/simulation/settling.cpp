@@ -18,6 +18,8 @@ namespace springnet {
 namespace {
 
 constexpr double jump = 1e-6;  // in units of the velocity scale
+// In the same units, of slips: what impulses leave where pairs are nearly redundant.
+constexpr double creep = 1e-9;
 // Slower rebounds, in units of the velocity scale, end: there are infinitely many in a finite time, and the fall within
 // the contact tolerance would make up for the energy of the last ones. Rebounds slower than `steps_of_fall` times the
 // speed gained in a step end, too.
@@ -49,6 +51,7 @@ Settling::Settling(Model& model, double time, State& state, const Findings& find
       depth_(model.contact_tolerance()),
       no_speed_(model.no_speed()),
       jump_(jump * model.scales.velocity),
+      creep_(creep * model.scales.velocity),
       done_(model.rigid.cluster_count(), 0),
       clusters_(model) {}
 
@@ -450,7 +453,7 @@ springnet_status Settling::settle(std::uint32_t node) {
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     const double short_way = times_of_fall * times_of_fall * depth_;
     returned = is_resolved && returns++ < max_returns &&
-               (island.end_returns(short_way) || island.end_short_slips(short_way, !hit, jump_, no_speed_));
+               (island.end_returns(short_way) || island.end_short_slips(short_way, !hit, creep_, no_speed_));
     if (returned) {
       struck = true;
       continue;

@@ -132,6 +132,7 @@ class Settling {
   double depth_;                    // m
   double no_speed_;                 // m/s
   double jump_;                     // m/s: smaller velocity differences are integration errors
+  double creep_;                    // m/s: slower slips of pairs are rounding of impulses that ended them
   std::vector<std::uint8_t> done_;  // [cluster]
   std::vector<std::uint32_t> members_;
   StruckClusters clusters_;  // of the members

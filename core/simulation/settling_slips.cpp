@@ -30,7 +30,8 @@ void Settling::find_slips(Island& island) const {
     node.slipping = node.sticks = false;
     if (first == nullptr) continue;
     const Vector3 slip = split_reaction(normals, first->velocity).tangential;
-    node.slipping = slip.norm() > no_speed_ && friction > 0.0;
+    const bool has_ended = node.pair >= 0 && node.slip_ended;
+    node.slipping = slip.norm() > (has_ended ? creep_ : no_speed_) && friction > 0.0;
     if (node.slipping) node.slip = slip.normalized();
     node.sticks = !node.slipping && friction > 0.0 && surfaces_move_alike(node, jump_);
     // Friction keeps its direction where the slip has no speed yet, or one that errors of integration change.
