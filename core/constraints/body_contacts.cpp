@@ -260,7 +260,7 @@ std::string BodyContacts::describe(proximity::PairKind kind, proximity::Pair pai
 }
 
 void BodyContacts::archive(Archive& archive) {
-  const std::size_t count = archive.count(touching_.size(), 121, "contacts of bodies");
+  const std::size_t count = archive.count(touching_.size(), 122, "contacts of bodies");
   touching_.resize(count);
   archive.flag(located_);
   if (archive.reads()) set_located(located_);
@@ -276,6 +276,7 @@ void BodyContacts::archive(Archive& archive) {
     archive.vector(each.force);
     archive.vector(each.guess);
     archive.flag(each.sticks);
+    archive.flag(each.held);
     archive.below(each.phase, 3, "a phase of slip");
     archive.vector(each.slip);
     archive.below(each.between, proximity::all_features(each.kind) + 1, "where bodies touch");

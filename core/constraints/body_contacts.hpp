@@ -34,6 +34,7 @@ struct PairTouch {
   Vector3 guess = Vector3::Zero();  // N: of that over the next step
   // While events are located, as of nodes on obstacles: friction holds it, or it slides.
   bool sticks = false;
+  bool held = false;  // sticks, though friction is beyond its cone: it began to slip and stuck without end
   Contact::Slip phase = Contact::Slip::ongoing;
   Vector3 slip = Vector3::Zero();   // unit, of the first on the second: the last direction, or where the slip began
   proximity::Features between = 0;  // where it touches; 0: wherever it is closest

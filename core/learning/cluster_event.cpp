@@ -40,7 +40,7 @@ std::optional<ContactEvents::Source::Kind> source_of(EventKind kind) {
 // impulses of surfaces, the revision, notes. Put back at the end of a scope.
 struct ClusterEvent::Kept {
   explicit Kept(Model& of)
-      : model(of), stale(of.stale), touches(of.recent_touches), mass(of.mass), events(of.journal.events().size()) {
+      : model(of), stale(of.stale), touches(of.recent_touches), slips(of.recent_slips), mass(of.mass), events(of.journal.events().size()) {
     const springnet_state& now = of.state.view;
     for (const springnet_vectors* vectors : {&now.position, &now.velocity})
       for (const double* values : {vectors->x, vectors->y, vectors->z})
@@ -65,12 +65,13 @@ struct ClusterEvent::Kept {
   void forget() const {
     model.stale = stale;
     model.recent_touches = touches;
+    model.recent_slips = slips;
     model.journal.forget_events(events);
   }
 
   Model& model;
   decltype(Model::stale) stale;
-  RecentTouches touches;
+  RecentTouches touches, slips;
   std::vector<double> mass, state, internal;
   std::size_t events;
 };

@@ -94,6 +94,17 @@ double ContactEvents::beyond_cone(const Source& source, AtCommitted& at) const {
   return -2.0 * margin + rounding_of_force * model_.scales.force;
 }
 
+// Friction that is held to end a flutter slips once it is clearly beyond its limit.
+double ContactEvents::beyond_held(const Source& source, AtCommitted& at) const {
+  constexpr double clearly = 1e-3;  // of the limit
+  const BodyContacts& bodies = model_.constraints.bodies();
+  const PairTouch& touch = bodies.touching()[static_cast<std::size_t>(source.pair)];
+  const BodyMotion* all = nullptr;
+  if (!touch.held || at().bodies(all) != SPRINGNET_OK || all == nullptr) return 0.0;
+  return clearly * coefficient_of(bodies.law_of(touch.kind, touch.pair).friction) *
+         std::abs(all->pairs()[static_cast<std::size_t>(source.pair)].pressing);
+}
+
 // A node braced with others stays in contact although it would separate if it alone were released. With this offset it
 // is released once it would separate twice as fast.
 double ContactEvents::beyond_brace(const Source& source, AtCommitted& at) const {

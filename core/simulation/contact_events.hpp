@@ -96,6 +96,7 @@ class ContactEvents {
   // Of a braced node: acceleration of its gap if it had no contact, m/s^2.
   springnet_status separating_acceleration(const Source& release, const ReactionsAt& at, double& value) const;
   [[nodiscard]] double beyond_cone(const Source& slip, AtCommitted& at) const;        // N
+  [[nodiscard]] double beyond_held(const Source& slip, AtCommitted& at) const;        // N
   [[nodiscard]] double beyond_brace(const Source& release, AtCommitted& at) const;    // m/s^2
   [[nodiscard]] double beyond_release(const Source& release, AtCommitted& at) const;  // N
   [[nodiscard]] double behind_border(const Source& seam, AtCommitted& at) const;      // 1

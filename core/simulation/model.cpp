@@ -171,6 +171,7 @@ void Model::archive(Archive& archive) {
       if (each.pair[i] >= node_count()) Archive::refuse("an event is of nothing that there is");
   }
   recent_touches.archive(archive);
+  recent_slips.archive(archive);
   archive.same(node_count(), "nodes");
   for (const springnet_vectors& vectors : {state.view.position, state.view.velocity, state.view.force})
     for (double* component : {vectors.x, vectors.y, vectors.z}) archive.numbers(component, node_count());

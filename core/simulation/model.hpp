@@ -59,6 +59,7 @@ struct Model {
   Journal journal;
   Deadline deadline;  // of the present step
   RecentTouches recent_touches;
+  RecentTouches recent_slips;  // of pairs, by their first nodes: those that began or ended
 
   // `revision` increases with every change after which a multistep method must restart, `load_revision` with every step
   // whose loads differ from those before.

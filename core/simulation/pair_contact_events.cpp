@@ -41,7 +41,7 @@ void ContactEvents::add_sources_of_pairs(AtCommitted& at) {
     if (!(mu > 0.0) || (touch.sticks && !std::isfinite(mu))) continue;
     if (touch.sticks) {
       add(Kind::slip);
-      sources_.back().offset = on_cones() + beyond_cone(sources_.back(), at);
+      sources_.back().offset = on_cones() + beyond_cone(sources_.back(), at) + beyond_held(sources_.back(), at);
       continue;
     }
     add(Kind::rest);

@@ -34,6 +34,9 @@ constexpr double caught = 0.01;  // of the speed with which obstacles approached
 // then end.
 constexpr int many_touches = 8;
 constexpr double soon = 1e-3, slow_rocking = 1e-3;
+// The same of pairs that slip and stick in turn where friction on several at nearly the same place has no unique answer.
+constexpr int many_slips = 16;
+constexpr double soon_slipping = 1e-6;
 // A node that separates more slowly, in units of the speed gained in a fall through the contact tolerance, stays in
 // contact: it would be back at once, as fast.
 constexpr double times_of_fall = 2.0;
@@ -318,6 +321,19 @@ bool Settling::chatters(const Island& island) {
   return result;
 }
 
+bool Settling::flutters() {
+  if (group_ == nullptr) return false;
+  bool result = false;
+  std::set<std::uint32_t> counted;
+  for (const std::size_t i : group_->pairs) {
+    const Candidate& pair = candidates_[i];
+    if (!(pair.found.slips || pair.found.slip_ended) || !counted.insert(pair.motion.nodes[0]).second) continue;
+    const double short_time = soon_slipping * model_.scales.length / model_.scales.velocity;
+    result = model_.recent_slips.count(pair.motion.nodes[0], time_, short_time) >= many_slips || result;
+  }
+  return result;
+}
+
 double Settling::fall_in_step(Island& island) {
   if (model_.step_length == 0.0 || accelerate(island) != SPRINGNET_OK) return 0.0;
   double falls = 0.0;
@@ -347,9 +363,8 @@ double Settling::rebound_of(Island& island) {
   return least;
 }
 
-springnet_status Settling::stop_and_stick(Island& island, double negligible,
+springnet_status Settling::stop_and_stick(Island& island, double negligible, double slow,
                                           std::vector<std::vector<Vector3>>& impulses) {
-  const double slow = slow_rocking * model_.scales.velocity;
   for (ContactNode& node : island.nodes()) {
     std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
     node.slip_ended = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
@@ -428,6 +443,7 @@ springnet_status Settling::settle(std::uint32_t node) {
   const bool hit = struck;
   bool returned = false;
   int returns = 0;
+  holds_ = flutters();
   for (int jams = 0;; jams += returned ? 0 : 1) {
     if (struck && !returned) {
       const bool rocks = chatters(island);
@@ -449,6 +465,11 @@ springnet_status Settling::settle(std::uint32_t node) {
     for (const ContactNode& each : island.nodes())
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
     const double negligible = Scales::min_force * model_.scales.force + 1e-12 * forces;
+    if (holds_) {
+      if (const springnet_status status = stop_and_stick(island, negligible, jump_, impulses); status != SPRINGNET_OK)
+        return status;
+      break;
+    }
     const bool is_resolved = island.resolve(negligible);
     for (ContactNode& each : island.nodes()) std::fill(each.impulse.begin(), each.impulse.end(), Vector3::Zero());
     const double short_way = times_of_fall * times_of_fall * depth_;
@@ -462,7 +483,9 @@ springnet_status Settling::settle(std::uint32_t node) {
     struck = jams < max_jams && island.jam(10.0 * no_speed_);
     if (!struck) {
       note_unresolved(model_, node, time_);
-      if (const springnet_status status = stop_and_stick(island, negligible, impulses); status != SPRINGNET_OK)
+      if (const springnet_status status =
+              stop_and_stick(island, negligible, slow_rocking * model_.scales.velocity, impulses);
+          status != SPRINGNET_OK)
         return status;
       break;
     }

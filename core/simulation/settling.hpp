@@ -64,6 +64,8 @@ class Settling {
   springnet_status accelerate(Island& island);
   // True once a node has touched too often in a short time; counts the touches.
   [[nodiscard]] bool chatters(const Island& island);
+  // True once a pair of the group has begun to slip and stuck too often in a short time; counts that.
+  [[nodiscard]] bool flutters();
   // Speed that nodes gain towards obstacles in a few of the user's steps, m/s; 0 if the integrator chooses its own
   // steps.
   [[nodiscard]] double fall_in_step(Island& island);
@@ -79,7 +81,9 @@ class Settling {
   void spread(const std::map<std::uint32_t, Vector3>& impulses);  // [node] N s
   // If no forces satisfy the contacts: slips with friction that are no faster than integration errors, or rocking, come
   // to rest and stick. A contact that holds too much takes energy; friction of a pulling contact would add some.
-  springnet_status stop_and_stick(Island& island, double negligible, std::vector<std::vector<Vector3>>& impulses);
+  // slow: m/s, of slips that come to rest.
+  springnet_status stop_and_stick(Island& island, double negligible, double slow,
+                                  std::vector<std::vector<Vector3>>& impulses);
   // Finds which nodes slip, and in which direction, from their velocities.
   void find_slips(Island& island) const;
   void begin_slips(Island& island) const;
@@ -139,6 +143,7 @@ class Settling {
   std::vector<std::uint32_t> stopped_;
   Rebounds rebounds_;
   bool struck_ = false;
+  bool holds_ = false;  // friction of pairs of the island, whatever their cones
   bool gathered_ = false;
   std::vector<Candidate> candidates_;
   std::vector<BodyGroup> groups_;

@@ -267,6 +267,7 @@ void Settling::commit_pair(const ContactNode& node, const Vector3& came) {
   const Contact::Slip phase = touch.phase;
   const bool slid = pair.was && !touch.sticks;
   touch.sticks = node.sticks;
+  touch.held = node.sticks && holds_;
   if (node.sticks) return;
   if (!node.slipping || node.slip_starting) {
     touch.slip = node.slip;

@@ -45,6 +45,7 @@ void Model::take_over(const Model& before, const Network& network) {
   contact.take_over(before.contact, numbers);
   journal.take_over(before.journal, numbers);
   recent_touches.take_over(before.recent_touches, numbers);
+  recent_slips.take_over(before.recent_slips, numbers);
   constraints.bodies().take_over(before.constraints.bodies(), numbers);
 
   const std::shared_ptr<const Placement> at = placement_now();
