@@ -284,8 +284,7 @@ void BodyContacts::archive(Archive& archive) {
     const unsigned firsts = (1u << proximity::first_nodes(each.kind)) - 1u;
     if (each.between != 0 && ((each.between & firsts) == 0 || (each.between & ~firsts) == 0))
       Archive::refuse("bodies touch nowhere");
-    if (!each.force.allFinite() || !each.guess.allFinite() || !each.slip.allFinite() ||
-        !std::isfinite(each.held_gap))
+    if (!each.force.allFinite() || !each.guess.allFinite() || !each.slip.allFinite() || !std::isfinite(each.held_gap))
       Archive::refuse("a force of bodies is not finite");
     if (!primitives().may_touch(each.kind, each.pair)) Archive::refuse("bodies touch that are not in contact");
   }

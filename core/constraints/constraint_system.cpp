@@ -13,6 +13,9 @@ namespace {
 
 // Up to this many rows a dense matrix is faster.
 constexpr std::size_t max_rows_dense = 32;
+// Shift of the diagonal, in units of its mean, so that redundant rows can be factorised; iterative refinement removes
+// its effect.
+constexpr double shift_share = 1e-9;
 // Relative residual above which conjugate gradients follow the refinement: some eigenvalue is not large compared with
 // the shift.
 constexpr double residual_share = 1e-12;
@@ -31,7 +34,7 @@ ConstraintSystem::~ConstraintSystem() = default;
 ConstraintSystem::ConstraintSystem(ConstraintSystem&&) noexcept = default;
 ConstraintSystem& ConstraintSystem::operator=(ConstraintSystem&&) noexcept = default;
 
-void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobility, double shift_share) {
+void ConstraintSystem::set(std::vector<ConstraintRow> rows, const Mobility& mobility) {
   rows_ = std::move(rows);
   const bool any_pairs = std::any_of(rows_.begin(), rows_.end(), [](const ConstraintRow& row) { return row.is_pair; });
   ends_ = any_pairs ? ConstraintRow::most_ends : 2;
@@ -219,14 +222,6 @@ Eigen::VectorXd ConstraintSystem::solve(const Eigen::VectorXd& b) const {
   }
   // Needed where masses span many decades, for example.
   if (size > residual_share * greatest) x += solve_by_conjugate_gradients(b - product(x));
-  return x;
-}
-
-Eigen::VectorXd ConstraintSystem::solve_softly(const Eigen::VectorXd& b) const {
-  if (rows_.empty()) return b;
-  constexpr int corrections = 2;
-  Eigen::VectorXd x = solve_shifted(b);
-  for (int i = 0; i < corrections; ++i) x += solve_shifted(b - product(x));
   return x;
 }
 

@@ -27,17 +27,12 @@ class ConstraintSystem {
   ConstraintSystem& operator=(ConstraintSystem&&) noexcept;
 
   // Factorises G W G^T. Redundant rows, and rows between nodes that cannot move, are allowed: see solve().
-  // shift_share: of the mean of its diagonal, added to that; solve() removes the effect.
-  static constexpr double shift_share = 1e-9, soft_shift_share = 1e-6;
-  void set(std::vector<ConstraintRow> rows, const Mobility& mobility, double shift_share = ConstraintSystem::shift_share);
+  void set(std::vector<ConstraintRow> rows, const Mobility& mobility);
   [[nodiscard]] const std::vector<ConstraintRow>& rows() const noexcept { return rows_; }
   [[nodiscard]] Form form() const noexcept { return form_; }
   // The multipliers x of G W G^T x = b. With redundant rows b must be in the range of the matrix, as it is if it comes
   // from velocities or lengths; x is then the solution of least norm.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  // The same after set() with soft_shift_share, but what rows have that are others up to less than about 0.001 is left
-  // as it is, where solve() would need great multipliers for it.
-  [[nodiscard]] Eigen::VectorXd solve_softly(const Eigen::VectorXd& b) const;
   // G v, one rate a row, m/s, from velocities of(node). A row without a second node is relative to ground(row), m/s.
   template <class Of, class Ground>
   [[nodiscard]] Eigen::VectorXd rates(const Of& of, const Ground& ground) const {

@@ -84,20 +84,6 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
   const auto change = [](const springnet_vectors& values) {
     return [&values](std::uint32_t node, const Vector3& by) { put_vector(values, node, vector_at(values, node) + by); };
   };
-  // Each row in units of what it answers to itself, whatever the masses are.
-  const auto scale = [&](std::vector<ConstraintRow>& rows) {
-    Eigen::VectorXd scales(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      double response = 0.0;
-      rows[r].for_each_end([&](std::size_t, std::uint32_t node, double weight) {
-        response += weight * weight * rows[r].direction.dot(mobility(node) * rows[r].direction);
-      });
-      const double by = response > 0.0 ? 1.0 / std::sqrt(response) : 1.0;
-      rows[r].direction *= by;
-      scales[static_cast<Eigen::Index>(r)] = by;
-    }
-    return scales;
-  };
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_corrections; ++i) {
     const std::vector<PairMotion> pairs = pairs_at(read_only(position), read_only(velocity));
@@ -124,21 +110,19 @@ void ConstraintSet::project_pairs(const Placement& at, const springnet_vectors& 
     for (const std::uint32_t cluster : clusters)
       rigid_.for_each_stretch(cluster, read_only(position),
                               [&](double stretch) { gaps[static_cast<Eigen::Index>(r++)] = stretch; });
-    const Eigen::VectorXd scales = scale(rows);
-    system.set(std::move(rows), mobility, ConstraintSystem::soft_shift_share);
-    system.for_each_change(system.solve_softly(-scales.cwiseProduct(gaps)), change(position));
+    system.set(std::move(rows), mobility);
+    system.for_each_change(system.solve(-gaps), change(position));
   }
   std::vector<ConstraintRow> rows = rows_of(pairs_at(read_only(position), read_only(velocity)), true);
   add_obstacles(rows);
   add_rods(rows);
-  scale(rows);
-  system.set(std::move(rows), mobility, ConstraintSystem::soft_shift_share);
+  system.set(std::move(rows), mobility);
   const auto rates = system.rates([&](std::uint32_t node) { return vector_at(velocity, node); },
                                   [&](const ConstraintRow& row) {
                                     return Contact::velocity(at, static_cast<std::size_t>(row.surface),
                                                              vector_at(position, row.first));
                                   });
-  system.for_each_change(system.solve_softly(-rates), change(velocity));
+  system.for_each_change(system.solve(-rates), change(velocity));
 }
 
 }  // namespace springnet

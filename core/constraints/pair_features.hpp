@@ -59,8 +59,8 @@ struct SideBySide {
 [[nodiscard]] double before_side_by_side(proximity::PairKind kind, const std::array<Vector3, 4>& corners,
                                          double tolerance);
 
-// How much the gaps of two pairs differ in how they change with positions: the norm of the difference of their gradients,
-// whose parts are at most 1; 2 where they have no node in common.
+// How much the gaps of two pairs differ in how they change with positions: the norm of the difference of their
+// gradients, whose parts are at most 1; 2 where they have no node in common.
 [[nodiscard]] double gradient_difference(const PairMotion& a, const PairMotion& b);
 // Two pairs that run towards a border that they share, such as a corner over a face and the edges that cross beside it,
 // change with positions in the same way there. From this difference on they are one; those that touch already from a

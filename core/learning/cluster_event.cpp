@@ -40,7 +40,12 @@ std::optional<ContactEvents::Source::Kind> source_of(EventKind kind) {
 // impulses of surfaces, the revision, notes. Put back at the end of a scope.
 struct ClusterEvent::Kept {
   explicit Kept(Model& of)
-      : model(of), stale(of.stale), touches(of.recent_touches), slips(of.recent_slips), mass(of.mass), events(of.journal.events().size()) {
+      : model(of),
+        stale(of.stale),
+        touches(of.recent_touches),
+        slips(of.recent_slips),
+        mass(of.mass),
+        events(of.journal.events().size()) {
     const springnet_state& now = of.state.view;
     for (const springnet_vectors* vectors : {&now.position, &now.velocity})
       for (const double* values : {vectors->x, vectors->y, vectors->z})

@@ -232,9 +232,8 @@ springnet_status BodyImpactSearch::find(double& time) {
 double BodyImpactSearch::first_approach(double from, const Instant& until, const std::vector<Watched>& pairs) {
   Instant at;
   const auto touches = [&](const Instant& instant) {
-    return std::any_of(pairs.begin(), pairs.end(), [&](const Watched& pair) {
-      return is_inside(instant, pair) && approaches(instant, pair);
-    });
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [&](const Watched& pair) { return is_inside(instant, pair) && approaches(instant, pair); });
   };
   if (!evaluate(from, at) || touches(at) || !touches(until)) return from;
   constexpr double precise = 1e-3;  // of the time between

@@ -86,6 +86,7 @@ class ContactEvents {
   void add_sources_of(std::uint32_t node, double tolerance, const Placement& now, AtCommitted& at);
   void add_sources_of_pairs(AtCommitted& at);
   void find_redundant();
+  [[nodiscard]] double same_gap() const;
   // How far a pair that touches is from saying what others that touch say, too; below 0 it does. 1
   [[nodiscard]] double before_redundant(std::int32_t pair, const BodyMotion& all,
                                         const springnet_const_vectors& position) const;

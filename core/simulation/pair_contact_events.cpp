@@ -58,16 +58,18 @@ double ContactEvents::before_redundant(std::int32_t place, const BodyMotion& all
   const double tolerance = 0.5 * pair_tolerance_;
   double result = 1.0;
   for (const std::size_t other : may_be_same_[i])
-    result = std::min(result, before_same(all.pairs()[i].motion, all.pairs()[other].motion,
-                                          std::max(pair_tolerance_, model_.position_uncertainty)));
+    result = std::min(result, before_same(all.pairs()[i].motion, all.pairs()[other].motion, same_gap()));
   if (touch.between == proximity::all_features(proximity::PairKind::edge_edge) && may_be_side_by_side_[i] != 0)
     result = std::min(
-        result, before_side_by_side(touch.kind,
-                                    bodies.primitives().corners(touch.kind, touch.pair,
-                                                                positions_of(position, model_.node_count())),
-                                    tolerance));
+        result, before_side_by_side(
+                    touch.kind,
+                    bodies.primitives().corners(touch.kind, touch.pair, positions_of(position, model_.node_count())),
+                    tolerance));
   return result;
 }
+
+// m: positions tell no smaller differences of gaps.
+double ContactEvents::same_gap() const { return std::max(pair_tolerance_, model_.position_uncertainty); }
 
 void ContactEvents::find_redundant() {
   const BodyContacts& bodies = model_.constraints.bodies();
@@ -75,6 +77,7 @@ void ContactEvents::find_redundant() {
   const springnet_const_vectors position = read_only(model_.state.view.position),
                                 velocity = read_only(model_.state.view.velocity);
   const double tolerance = 0.5 * pair_tolerance_;
+  const auto is_inside = [](const PairTouch& each) { return each.between == proximity::all_features(each.kind); };
   std::vector<PairMotion> motions;
   std::map<std::uint32_t, std::vector<std::size_t>> at_nodes;
   may_be_same_.assign(touching.size(), {});
@@ -89,10 +92,10 @@ void ContactEvents::find_redundant() {
       others.insert(there.begin(), there.end());
       there.push_back(i);
     }
-    const auto is_inside = [](const PairTouch& each) { return each.between == proximity::all_features(each.kind); };
     for (const std::size_t other : others)
-      if (is_inside(touch) && is_inside(touching[other]) && bodies.touch_alike(touch.kind, touch.pair, touching[other].kind, touching[other].pair) &&
-          before_same(motion, motions[other], std::max(pair_tolerance_, model_.position_uncertainty)) > 0.0)
+      if (is_inside(touch) && is_inside(touching[other]) &&
+          bodies.touch_alike(touch.kind, touch.pair, touching[other].kind, touching[other].pair) &&
+          before_same(motion, motions[other], same_gap()) > 0.0)
         may_be_same_[i].push_back(other);
     const std::array<Vector3, 4> corners =
         bodies.primitives().corners(touch.kind, touch.pair, positions_of(position, model_.node_count()));

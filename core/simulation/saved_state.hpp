@@ -9,7 +9,7 @@
 namespace springnet {
 
 struct SavedHead {
-  static constexpr std::string_view heading = "springnet state 7\n";
+  static constexpr std::string_view heading = "springnet state 8\n";
   static constexpr std::size_t size = heading.size() + 24;  // bytes
 
   SavedHead() = default;

@@ -34,9 +34,6 @@ constexpr double caught = 0.01;  // of the speed with which obstacles approached
 // then end.
 constexpr int many_touches = 8;
 constexpr double soon = 1e-3, slow_rocking = 1e-3;
-// The same of pairs that slip and stick in turn where friction on several at nearly the same place has no unique answer.
-constexpr int many_slips = 16;
-constexpr double soon_slipping = 1e-6;
 // A node that separates more slowly, in units of the speed gained in a fall through the contact tolerance, stays in
 // contact: it would be back at once, as fast.
 constexpr double times_of_fall = 2.0;
@@ -321,19 +318,6 @@ bool Settling::chatters(const Island& island) {
   return result;
 }
 
-bool Settling::flutters() {
-  if (group_ == nullptr) return false;
-  bool result = false;
-  std::set<std::uint32_t> counted;
-  for (const std::size_t i : group_->pairs) {
-    const Candidate& pair = candidates_[i];
-    if (!(pair.found.slips || pair.found.slip_ended) || !counted.insert(pair.motion.nodes[0]).second) continue;
-    const double short_time = soon_slipping * model_.scales.length / model_.scales.velocity;
-    result = model_.recent_slips.count(pair.motion.nodes[0], time_, short_time) >= many_slips || result;
-  }
-  return result;
-}
-
 double Settling::fall_in_step(Island& island) {
   if (model_.step_length == 0.0 || accelerate(island) != SPRINGNET_OK) return 0.0;
   double falls = 0.0;
@@ -361,30 +345,6 @@ double Settling::rebound_of(Island& island) {
       if (side.restitution > 0.0)
         return std::max({least, fall_in_step(island), group_ == nullptr ? 0.0 : fall_through(island, uncertainty())});
   return least;
-}
-
-springnet_status Settling::stop_and_stick(Island& island, double negligible, double slow,
-                                          std::vector<std::vector<Vector3>>& impulses) {
-  for (ContactNode& node : island.nodes()) {
-    std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
-    node.slip_ended = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
-      const double mu = coefficient_of(side.friction);
-      return side.active && mu > 0.0 && (mu >= friction_of_held || side.velocity.norm() <= slow);
-    });
-  }
-  if (island.end_slip(no_speed_)) {
-    apply_impulses(island);
-    for (std::size_t i = 0; i < impulses.size(); ++i)
-      for (std::size_t s = 0; s < impulses[i].size(); ++s) impulses[i][s] += island.nodes()[i].impulse[s];
-    if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
-  }
-  for (ContactNode& node : island.nodes()) {
-    if (!node.slip_ended) continue;
-    node.slipping = node.slip_starting = false;
-    node.sticks = true;
-  }
-  island.hold(negligible);
-  return SPRINGNET_OK;
 }
 
 springnet_status Settling::settle(std::uint32_t node) {
@@ -466,6 +426,7 @@ springnet_status Settling::settle(std::uint32_t node) {
       forces = std::max(forces, model_.mass[each.node] * each.acceleration.norm());
     const double negligible = Scales::min_force * model_.scales.force + 1e-12 * forces;
     if (holds_) {
+      note_unresolved(model_, node, time_);
       if (const springnet_status status = stop_and_stick(island, negligible, jump_, impulses); status != SPRINGNET_OK)
         return status;
       break;

@@ -63,7 +63,8 @@ void Settling::leave_out_said() {
     SideBySide ends;
     if (each.touch.between != proximity::all_features(proximity::PairKind::edge_edge)) return ends;
     const std::array<Vector3, 4> corners = bodies.primitives().corners(each.touch.kind, each.touch.pair, x);
-    return before_side_by_side(each.touch.kind, corners, 0.5 * depth_) <= 0.0 ? side_by_side(each.touch.kind, corners) : ends;
+    return before_side_by_side(each.touch.kind, corners, 0.5 * depth_) <= 0.0 ? side_by_side(each.touch.kind, corners)
+                                                                              : ends;
   };
   // Those within their faces and edges first, then those that touch already. Last those of which only ends count.
   std::map<std::pair<proximity::PairKind, proximity::Pair>, SideBySide> side_by_sides;

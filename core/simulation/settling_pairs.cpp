@@ -24,14 +24,18 @@ void Settling::gather_candidates() {
     each.touch = touch;
     each.was = each.stays = true;
   }
-  // As near as those that it may take over from.
+  // Beyond the tolerance those that are as near as one that they may take over from.
   double widest = 0.0;  // m
   for (const PairTouch& touch : bodies.touching()) widest = std::max(widest, touch.held_gap);
   const auto may_take_over = [&](const proximity::NearPair& near) {
     return std::any_of(bodies.touching().begin(), bodies.touching().end(), [&](const PairTouch& touch) {
       const auto found = findings_.pairs.find(touch.key());
-      return found != findings_.pairs.end() && found->second.at_border && near.gap <= touch.held_gap + depth_ &&
-             bodies.touch_alike(touch.kind, touch.pair, near.kind, near.pair);
+      if (found == findings_.pairs.end() || !found->second.at_border || near.gap > touch.held_gap + depth_)
+        return false;
+      const std::array<NodeIndex, 4> own = bodies.primitives().nodes_of(touch.kind, touch.pair),
+                                     others = bodies.primitives().nodes_of(near.kind, near.pair);
+      const bool share = std::find_first_of(own.begin(), own.end(), others.begin(), others.end()) != own.end();
+      return share && bodies.touch_alike(touch.kind, touch.pair, near.kind, near.pair);
     });
   };
   for (const proximity::NearPair& near : pairs_apart_within(model_, read_only(state_.view.position), widest + depth_)) {
@@ -180,7 +184,9 @@ void Settling::push_apart(const Island& island, Eigen::MatrixXd response) {
     Island apart(std::move(nodes), std::move(response));
     apart.apply_impact(0.0, rounding, rounds);
     std::map<std::uint32_t, Vector3> all;  // kg m
-    const auto add = [&](std::uint32_t k, const Vector3& push) { all.try_emplace(k, Vector3::Zero()).first->second += push; };
+    const auto add = [&](std::uint32_t k, const Vector3& push) {
+      all.try_emplace(k, Vector3::Zero()).first->second += push;
+    };
     for (const ContactNode& node : apart.nodes())
       for (const Vector3& push : node.impulse) {
         if (node.pair < 0)

@@ -4,12 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "constraints/friction.hpp"
 #include "constraints/vectors.hpp"
 #include "simulation/settling.hpp"
 
 namespace springnet {
+namespace {
+
+// Pairs that began to slip or stuck `many_slips` times, each within `soon_slipping` (in units of the time to move the
+// length scale) of the time before, show that friction on several at nearly the same place has no unique answer.
+constexpr int many_slips = 16;
+constexpr double soon_slipping = 1e-4;
+
+}  // namespace
 
 void Settling::find_slips(Island& island) const {
   for (ContactNode& node : island.nodes()) {
@@ -124,6 +133,43 @@ bool Settling::stop_held(Island& island, double slow) const {
     }
   }
   return island.end_slip(no_speed_);
+}
+
+bool Settling::flutters() {
+  if (group_ == nullptr) return false;
+  bool result = false;
+  std::set<std::uint32_t> counted;
+  for (const std::size_t i : group_->pairs) {
+    const Candidate& pair = candidates_[i];
+    if (!(pair.found.slips || pair.found.slip_ended) || !counted.insert(pair.motion.nodes[0]).second) continue;
+    const double short_time = soon_slipping * model_.scales.length / model_.scales.velocity;
+    result = model_.recent_slips.count(pair.motion.nodes[0], time_, short_time) >= many_slips || result;
+  }
+  return result;
+}
+
+springnet_status Settling::stop_and_stick(Island& island, double negligible, double slow,
+                                          std::vector<std::vector<Vector3>>& impulses) {
+  for (ContactNode& node : island.nodes()) {
+    std::fill(node.impulse.begin(), node.impulse.end(), Vector3::Zero());
+    node.slip_ended = std::any_of(node.sides.begin(), node.sides.end(), [&](const ContactSide& side) {
+      const double mu = coefficient_of(side.friction);
+      return side.active && mu > 0.0 && (mu >= friction_of_held || side.velocity.norm() <= slow);
+    });
+  }
+  if (island.end_slip(no_speed_)) {
+    apply_impulses(island);
+    for (std::size_t i = 0; i < impulses.size(); ++i)
+      for (std::size_t s = 0; s < impulses[i].size(); ++s) impulses[i][s] += island.nodes()[i].impulse[s];
+    if (const springnet_status status = accelerate(island); status != SPRINGNET_OK) return status;
+  }
+  for (ContactNode& node : island.nodes()) {
+    if (!node.slip_ended) continue;
+    node.slipping = node.slip_starting = false;
+    node.sticks = true;
+  }
+  island.hold(negligible);
+  return SPRINGNET_OK;
 }
 
 }  // namespace springnet

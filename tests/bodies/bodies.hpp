@@ -132,11 +132,12 @@ inline Network dropped_blocks(int count, double mass, double friction = 0.5) {
 
 // Two soft boxes of 8 nodes exactly above each other on a floor, all with this friction. lift: m, of the first; apart:
 // m, their middles.
-inline Network boxes_above_each_other(double lift, double apart, double friction) {
+inline Network boxes_above_each_other(double lift, double apart, double friction, double offset = 0.0) {
   Network net;
   for (std::size_t i = 0; i < 2; ++i) {
+    const double k = static_cast<double>(i);
     const Lattice lattice{
-        {2, 2, 2}, Vector3::Constant(0.1), {0, 0, lift + apart * static_cast<double>(i)}, Diagonals::space};
+        {2, 2, 2}, Vector3::Constant(0.1), {offset * k, 0.6 * offset * k, lift + apart * k}, Diagonals::space};
     net.add_lattice("box " + std::to_string(i), lattice, point(at_rest, 0.02), net.add_material(damped(1500.0, 1.0)));
     net.set_extent(i, 0.01, 0.0);
   }

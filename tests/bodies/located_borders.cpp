@@ -204,6 +204,22 @@ TEST_CASE("the reference: soft boxes exactly above each other bounce, slide and 
   CHECK(count_events(s).met >= 10);
 }
 
+TEST_CASE("the reference: soft boxes nearly above each other, whose corners run to and fro over edges") {
+  // Corners are on faces by shares of an edge, beside edges that cross at nearly the same place: pairs that are nearly
+  // the same constraint, or exactly where corners are on edges. m
+  for (const auto& [friction, offset] :
+       {std::pair{0.0, 5e-7}, std::pair{0.0, 1e-6}, std::pair{0.0, 7e-6}, std::pair{0.0, 2e-5}, std::pair{0.0, 3e-5},
+        std::pair{0.2, 3e-6}, std::pair{0.2, 1e-5}, std::pair{0.2, 5e-5}}) {
+    CAPTURE(friction);
+    CAPTURE(offset);
+    const Network net = boxes_above_each_other(0.01, 0.13, friction, offset);
+    Simulation s = simulate(net, reference(1e-6), 0.005);
+    check_decay(net, s, 160);
+    CHECK(count_events(s).met >= 10);
+    CHECK(count_events(s).met <= 500);  // 90 to 200; touches at a corner that repeat without end are thousands
+  }
+}
+
 TEST_CASE("the reference: a soft block that buckles slides over borders of the faces below it") {
   Network net;
   for (std::size_t i = 0; i < 2; ++i) {

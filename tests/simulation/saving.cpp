@@ -201,7 +201,7 @@ TEST_CASE("a state that is damaged or of another simulation is refused, and chan
     CHECK(said.find(message) != std::string::npos);
   };
   refused(own, "", "this is no state saved by springnet");
-  refused(own, "springnet state 7\n", "ends too early");
+  refused(own, "springnet state 8\n", "ends too early");
   refused(own, saved.substr(0, saved.size() - 1), "damaged: it has");
   for (const std::size_t place : {std::size_t{40}, saved.size() / 2, saved.size() - 1}) {
     std::string flipped = saved;
