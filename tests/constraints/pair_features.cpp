@@ -10,8 +10,6 @@ using namespace springnet;
 
 namespace {
 
-constexpr double rounding = 1e-14;  // of sums of a few numbers of order 1
-
 // A corner over a face, beside one of its edges by this share of the way to the third corner; and an edge from that
 // corner, which crosses the edge of the face at this share of its length.
 PairMotion corner_on_face(double share) {
@@ -78,9 +76,9 @@ TEST_CASE("edges lie side by side from a corner of one to a corner of the other"
   const double tolerance = 1e-9;
   const SideBySide ends = side_by_side(edges, beside(0.3, 0.01, 0.0, 0.0));
   REQUIRE(ends.count == 2);
-  CHECK(ends.ends[0] == 0b1110);  // the end of the first over the second
-  CHECK(ends.ends[1] == 0b0111);  // the start of the second over the first
-  CHECK(std::abs(ends.farthest - 0.01) <= rounding);
+  CHECK(ends.ends[0] == 0b1110);                   // the end of the first over the second
+  CHECK(ends.ends[1] == 0b0111);                   // the start of the second over the first
+  CHECK(std::abs(ends.farthest - 0.01) <= 1e-14);  // of a few sums of numbers of order 1
   CHECK(before_side_by_side(edges, beside(0.3, 0.01, 0.0, 0.0), tolerance) < 0.0);
   // Exactly above each other: corners on corners.
   const SideBySide above = side_by_side(edges, beside(0.0, 0.01, 0.0, 0.0));
