@@ -117,8 +117,8 @@ class Settling {
   void apply_impulse(const Candidate& pair, const Vector3& impulse);
   void displace(const Candidate& pair, const Vector3& push);
   void move(const std::map<std::uint32_t, Vector3>& pushes);  // [node] kg m
-  // Ends what overlaps is left of the pairs of an island that touch, and keeps their gaps from then on. response: D.
-  void push_apart(const Island& island, Eigen::MatrixXd response);
+  // Ends the overlaps of pairs of an island that touch; they keep the gaps that this leaves. response: D.
+  void push_apart(const Island& island, const Eigen::MatrixXd& response);
   void commit_pair(const ContactNode& node, const Vector3& came);
   void keep_slip_of_pair(ContactNode& node, double friction) const;
   void find_phase_of_pair(const ContactNode& node, const Vector3& acceleration, double negligible);

@@ -157,7 +157,7 @@ void Settling::move(const std::map<std::uint32_t, Vector3>& pushes) {
 
 // Pairs at nearly the same place overlap by different amounts, as positions are uncertain. The least motion that ends
 // the overlaps leaves some apart; to close these as well would take a large one.
-void Settling::push_apart(const Island& island, Eigen::MatrixXd response) {
+void Settling::push_apart(const Island& island, const Eigen::MatrixXd& response) {
   std::vector<ContactNode> nodes = island.nodes();
   double deepest = 0.0, size = 0.0;
   for (ContactNode& node : nodes) {
@@ -181,7 +181,7 @@ void Settling::push_apart(const Island& island, Eigen::MatrixXd response) {
   const bool pushes = deepest > rounding;
   if (pushes) {
     constexpr int rounds = 1000;  // what is left is overlap, too, but held
-    Island apart(std::move(nodes), std::move(response));
+    Island apart(std::move(nodes), response);
     apart.apply_impact(0.0, rounding, rounds);
     std::map<std::uint32_t, Vector3> all;  // kg m
     const auto add = [&](std::uint32_t k, const Vector3& push) {

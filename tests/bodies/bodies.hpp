@@ -130,8 +130,8 @@ inline Network dropped_blocks(int count, double mass, double friction = 0.5) {
   return net;
 }
 
-// Two soft boxes of 8 nodes exactly above each other on a floor, all with this friction. lift: m, of the first; apart:
-// m, their middles.
+// Two soft boxes of 8 nodes above each other on a floor, all with this friction. lift: m, of the first; apart: m, their
+// middles; offset: m, of the upper one along x, and 0.6 times that along y.
 inline Network boxes_above_each_other(double lift, double apart, double friction, double offset = 0.0) {
   Network net;
   for (std::size_t i = 0; i < 2; ++i) {

@@ -312,7 +312,7 @@ TEST_CASE("bodies part, and friction of those that part is none, where another p
   }
 }
 
-TEST_CASE("what pulls after an impact is not pushed as much when slow separations end") {
+TEST_CASE("an impulse that pulled is not made up for when slow separations end") {
   Island island({pair_of(0, {0, 0, 1e-6}, Vector3::Zero(), 0.0)}, Eigen::MatrixXd::Identity(3, 3));
   island.nodes()[0].impulse[0] = Vector3(0, 0, -1.0);
   island.end_rocking(1e-3, false);
