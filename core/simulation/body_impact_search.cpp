@@ -16,6 +16,8 @@ namespace {
 // In units of the skin of the list of neighbours: of paths between two times.
 constexpr double most_bend = 0.2;
 constexpr double shortest_part = 1.0 / 1024.0;  // of the step
+// In units of the rounding of the greatest coordinate: distances that differ by less are the same.
+constexpr double roundings_of_distance = 16.0;
 // In units of the thickness: a pair this deep is inside, however uncertain positions are.
 constexpr double share_of_inside = 0.25;
 
@@ -99,6 +101,12 @@ bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, cons
   const proximity::Separation first = separation(pair.kind, start), last = separation(pair.kind, end);
   if (first.distance <= reach) return false;  // it is inside already
   if (last.distance <= reach) return !is_said(from, pair, first) || !is_said(until, pair, last);
+  // What sinks in slowly while it slides fast would else be looked at in each of the many parts in which its distance
+  // is the same but for rounding.
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < ends.count; ++i)
+    greatest = std::max({greatest, start[i].lpNorm<Eigen::Infinity>(), end[i].lpNorm<Eigen::Infinity>()});
+  const double rounding = roundings_of_distance * std::numeric_limits<double>::epsilon() * greatest;
   const auto is_beyond = [&](const Vector3& n0, const Vector3& n1) {
     double least = std::numeric_limits<double>::infinity(), turn = 0.0, bend = 0.0;
     for_each_between(ends, [&](std::size_t i, std::size_t j) {
@@ -109,7 +117,7 @@ bool BodyImpactSearch::may_touch(const Instant& from, const Instant& until, cons
         bend =
             std::max(bend, bend_of(std::abs(along.dot(bent0[i] - bent0[j])), std::abs(along.dot(bent1[i] - bent1[j]))));
     });
-    return least - turn - bend > reach;
+    return least - turn - bend > reach - rounding;
   };
   return !is_beyond(first.direction, first.direction) && !is_beyond(last.direction, last.direction) &&
          !is_beyond(first.direction, last.direction);

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,7 @@
 
 #include "constraints/vectors.hpp"
 #include "nets.hpp"
+#include "simulation/body_impact_search.hpp"
 #include "simulation/contact_changes.hpp"
 #include "simulation/contact_events.hpp"
 #include "simulation/engine.hpp"
@@ -334,6 +336,57 @@ TEST_CASE("recent touches: only those in quick succession count") {
   CHECK(touches.count(3, 1.05, 0.1) == 2);
   CHECK(touches.count(4, 1.05, 0.1) == 1);
   CHECK(touches.count(3, 1.2, 0.1) == 1);
+}
+
+TEST_CASE("impacts: what slides fast and sinks in slowly is found without a look at each rounding of its path") {
+  constexpr double sinking = 1e-8, until = 0.01, touches = 0.0051, radius = 0.1;  // m/s, s, s, m
+  struct Path {
+    Eigen::Matrix3d axes = Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+    std::array<Vector3, 3> corners{axes * Vector3(-1, -1, 0), axes* Vector3(3, -1, 0), axes* Vector3(0, 3, 0)};
+    Vector3 velocity = axes * Vector3(0.9, 0.1, -sinking), start = axes * Vector3(0.31, 0.023, 0.5);
+    int looked_at = 0;
+  } path;
+  Network net;
+  net.begin_body("floor");
+  for (const Vector3& corner : path.corners) {
+    Node node = point(corner);
+    node.fixed = true;
+    net.add_node(node);
+  }
+  net.add_face({0, 1, 2});
+  net.end_body();
+  net.set_extent(0, 0.02, 0.0);
+  net.begin_body("ball");
+  net.add_node(point(path.start, 1.0, path.velocity));
+  net.end_body();
+  net.set_extent(1, 0.0, radius);
+  net.add_contact({{}, {0, 1, 2}, {3}});
+  Alone alone(net);
+  path.start = path.axes * Vector3(0.31, 0.023, 0.01 + radius - alone.model.contact_tolerance() + sinking * touches);
+  ContactEvents events(alone.model, alone.topology);
+  springnet_impact_search search{};
+  search.struct_size = sizeof search;
+  search.step_until = search.until = until;
+  search.user = &path;
+  search.state_at = [](void* user, const springnet_dense_output* output) -> springnet_status {
+    Path& given = *static_cast<Path*>(user);
+    ++given.looked_at;
+    const std::array positions{output->position.x, output->position.y, output->position.z};
+    const std::array velocities{output->velocity.x, output->velocity.y, output->velocity.z};
+    const Vector3 ball = given.start + output->time * given.velocity;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto axis = static_cast<Eigen::Index>(c);
+        positions[c][k] = k == 3 ? ball[axis] : given.corners[k][axis];
+        velocities[c][k] = k == 3 ? given.velocity[axis] : 0.0;
+      }
+    return SPRINGNET_OK;
+  };
+  double time = 0.0;
+  REQUIRE(BodyImpactSearch(alone.model, events, search).find(time) == SPRINGNET_OK);
+  // A few roundings of the distance, 1e-16 m each, which take 1e-8 s.
+  CHECK(std::abs(time - touches) < 1e-7);
+  CHECK(path.looked_at < 200);
 }
 
 TEST_CASE("neighbours are there on request, until connections change") {
