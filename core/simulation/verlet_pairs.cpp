@@ -28,10 +28,12 @@ struct Diverged {
 
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
-constexpr int max_reopened = 20;        // rounds of obstacles that change what they hold of rigid bodies
-constexpr int max_bounce_rounds = 50;   // rounds of impacts within a step after which they are inelastic
-constexpr double share_of_held = 0.25;  // of the thickness: overlaps of what nothing lets give way
-constexpr double simultaneous = 1e-9;   // share of the step within which impacts are at the same time
+constexpr int max_reopened = 20;           // rounds of obstacles that change what they hold of rigid bodies
+constexpr int max_bounce_rounds = 50;      // rounds of impacts within a step after which they are inelastic
+constexpr double share_of_held = 0.25;     // of the thickness: overlaps of what nothing lets give way
+constexpr double share_of_late = 0.01;     // likewise, of what impacts turn late in the step
+constexpr std::size_t most_in_order = 64;  // impacts, one after the other; of more at once, the first of each node
+constexpr double simultaneous = 1e-9;      // share of the step within which impacts are at the same time
 // A pair that meets at the very end of a step: impulses of the kick stop it.
 constexpr double least_lever = 1e-3;  // of the step
 
@@ -188,6 +190,9 @@ void VerletPairs::add_first(const springnet_sweep& step, const proximity::Positi
         clusters_.for_each_moved(node, [&](std::uint32_t k) { taken.emplace(k, each.at.time); });
     if (!is_later) first.push_back(&each);
   }
+  // What is struck may meet others before they meet what comes later.
+  if (first.size() <= most_in_order)
+    std::erase_if(first, [&](const Found* each) { return each->at.time > first.front()->at.time + simultaneous; });
   bool struck = false;
   for (const Found* each : first) struck = strike(step, each->kind, each->pair, each->at.time) || struck;
   if (struck) renew_mobility(step);
@@ -343,7 +348,7 @@ springnet_status VerletPairs::fail() const {
   set_message(
       model_.journal.message,
       fmt::format("the contacts of bodies, {} pairs, do not converge in a step of {:g} s (after {} rounds of finding "
-                  "pairs); use a smaller time step",
+                  "pairs)",
                   rows_.size(), h_, rounds_));
   return SPRINGNET_RECOVERABLE;
 }
@@ -523,12 +528,14 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
     return SPRINGNET_OK;
   }
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const double overlap = rows_[r].is_blocked ? -gap(r, step.next_position) : 0.0;
-    if (!(overlap > share_of_held * contacts_[r].thickness)) continue;
+    const double overlap = -gap(r, step.next_position);
+    if (!(overlap > (rows_[r].is_blocked ? share_of_held : share_of_late) * contacts_[r].thickness)) continue;
+    const char* const why = rows_[r].is_blocked
+                                ? "and there is no place left for either between bodies and obstacles; stop their "
+                                  "motion earlier, or let them escape"
+                                : "at the end of a step in which they meet and turn";
     set_message(model_.journal.message,
-                fmt::format("{} overlap by {:g} m, and there is no place left for either between bodies and obstacles; "
-                            "stop their motion earlier, or let them escape",
-                            bodies.describe(rows_[r].kind, rows_[r].pair), overlap));
+                fmt::format("{} overlap by {:g} m, {}", bodies.describe(rows_[r].kind, rows_[r].pair), overlap, why));
     return SPRINGNET_RECOVERABLE;
   }
   // Obstacles have done their part of the kick: nodes that they keep go on as they say.

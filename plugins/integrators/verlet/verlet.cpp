@@ -74,23 +74,19 @@ class Verlet : public Integrator {
         ++steps_since_check_ >= steps_per_check)
       check_stability(until - from);
     report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
-    bool commits = false;  // a smaller step does not help if the commit is refused
+    made_ = smaller_ = 0;
     try {
-      for (std::int64_t i = 1; i <= substeps_; ++i) {
-        const double end = i == substeps_ ? until : from + static_cast<double>(i) * h;
-        step(end);
-        commits = true;
-        host_.commit(end, *state_);  // ruptures are carried out there
-        commits = false;
-      }
+      for (std::int64_t i = 1; i <= substeps_; ++i)
+        step_to(i == substeps_ ? until : from + static_cast<double>(i) * h, 0);
     } catch (const Failure& failure) {
-      if (!failure.recoverable() || commits) throw;
+      if (!failure.recoverable() || commits_) throw;
       report.outcome = SPRINGNET_DIVERGING;
       throw Failure(std::string(failure.what()) + "; use a smaller time_step or more substeps", SPRINGNET_UNSETTLED);
     }
     report.outcome = SPRINGNET_SETTLED;
     report.steps = 1;
-    report.sweeps = static_cast<std::uint64_t>(substeps_);
+    report.sweeps = made_;
+    report.substeps = smaller_;
     return SPRINGNET_OK;
   }
 
@@ -118,6 +114,28 @@ class Verlet : public Integrator {
   }
 
  private:
+  // Divides the step where bodies meet in more ways than impulses within it can keep apart. Throws Failure.
+  void step_to(double until, int halvings) {
+    const double from = host_.committed().time;
+    commits_ = false;
+    try {
+      step(until);
+    } catch (const Failure& failure) {
+      const double middle = 0.5 * (from + until);
+      const bool may_help = host_.network().body_contact_count > 0 && from < middle && middle < until;
+      if (!failure.recoverable() || !may_help || halvings == max_halvings) throw;
+      revisions_.reset();
+      step_to(middle, halvings + 1);
+      step_to(until, halvings + 1);
+      return;
+    }
+    ++made_;
+    if (halvings > 0) ++smaller_;
+    commits_ = true;               // a smaller step does not help if the commit is refused
+    host_.commit(until, *state_);  // ruptures are carried out there
+    commits_ = false;
+  }
+
   void step(double until) {
     const auto [from, start] = host_.committed();
     host_.begin_step(from, until);
@@ -239,9 +257,12 @@ class Verlet : public Integrator {
   Stability stability_;
   // Revisions of the network and its loads that acceleration_ belongs to.
   std::optional<std::pair<std::uint64_t, std::uint64_t>> revisions_;
+  static constexpr int max_halvings = 8;                 // 1/256 of a step
   static constexpr std::uint64_t steps_per_check = 256;  // laws may stiffen
   static constexpr double reserve = 1.03;                // of the advice: laws may stiffen a little
   double checked_step_ = 0.0;                            // s
+  std::uint64_t made_ = 0, smaller_ = 0;                 // steps of this time step; those of them of divided ones
+  bool commits_ = false;
   std::uint64_t checked_revision_ = 0;
   std::uint64_t steps_since_check_ = 0;
 };
