@@ -142,27 +142,39 @@ void VerletPairs::add_first(const springnet_sweep& step, const proximity::Positi
     proximity::Meeting at;
   };
   std::vector<Found> found;
-  const auto meeting_of = [&](proximity::PairKind kind, proximity::Pair pair,
-                              const std::optional<proximity::Meeting>& early) {
-    const std::array<Vector3, 4> from = all.corners(kind, pair, start);
-    return refine(kind, from, all.corners(kind, pair, end), all.thickness(kind, pair),
-                  early ? *early : proximity::Meeting{0.0, separation(kind, from)});
+  // Before an impact of one of its nodes the path of a pair is another one.
+  struct Way {
+    double since;  // share of the step
+    std::array<Vector3, 4> from, to;
+  };
+  const auto way_of = [&](proximity::PairKind kind, proximity::Pair pair) {
+    Way way{0.0, all.corners(kind, pair, start), all.corners(kind, pair, end)};
+    for (const std::uint32_t node : all.nodes_of(kind, pair))
+      if (const auto struck = struck_.find(node); struck != struck_.end())
+        way.since = std::max(way.since, struck->second);
+    for (std::size_t k = 0; k < 4; ++k) way.from[k] += way.since * (way.to[k] - way.from[k]);
+    return way;
+  };
+  // early: in units of its way.
+  const auto look_at = [&](proximity::PairKind kind, proximity::Pair pair, const Way& way,
+                           const std::optional<proximity::Meeting>& early) {
+    auto meeting = refine(kind, way.from, way.to, all.thickness(kind, pair),
+                          early ? *early : proximity::Meeting{0.0, separation(kind, way.from)});
+    if (!meeting) return;
+    meeting->time = way.since + (1.0 - way.since) * meeting->time;
+    found.push_back({kind, pair, *meeting});
   };
   for (const proximity::MeetingPair& each : met_) {
     if (known_.contains(std::pair(each.kind, each.pair))) continue;
-    if (each.meeting.from_start) {
-      add(step, each.kind, each.pair, separation(each.kind, all.corners(each.kind, each.pair, start)), 0.0, false);
-      continue;
+    const Way way = way_of(each.kind, each.pair);
+    if (way.since > 0.0) {
+      if (const auto meeting = first_meeting(each.kind, way.from, way.to, all.thickness(each.kind, each.pair)))
+        look_at(each.kind, each.pair, way, meeting);
+    } else if (each.meeting.from_start) {
+      add(step, each.kind, each.pair, separation(each.kind, way.from), 0.0, false);
+    } else {
+      look_at(each.kind, each.pair, way, each.meeting);
     }
-    const auto meeting = meeting_of(each.kind, each.pair, each.meeting);
-    if (!meeting) continue;
-    // Before an impact of one of its nodes the path is another one.
-    const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.kind, each.pair);
-    const bool is_past = std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t node) {
-      const auto struck = struck_.find(node);
-      return struck != struck_.end() && meeting->time < struck->second - simultaneous;
-    });
-    if (!is_past) found.push_back({each.kind, each.pair, *meeting});
   }
   // What begins so near that it counts as touching.
   std::set<std::pair<proximity::PairKind, proximity::Pair>> met;
@@ -170,8 +182,7 @@ void VerletPairs::add_first(const springnet_sweep& step, const proximity::Positi
   for (const proximity::NearPair& each : near_) {
     const std::pair key(each.kind, each.pair);
     if (each.gap >= -tolerance_.gap || known_.contains(key) || met.contains(key)) continue;
-    if (const auto meeting = meeting_of(each.kind, each.pair, std::nullopt))
-      found.push_back({each.kind, each.pair, *meeting});
+    look_at(each.kind, each.pair, way_of(each.kind, each.pair), std::nullopt);
   }
   // Of each node, and of each cluster, the first one: its path after that is another one.
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {

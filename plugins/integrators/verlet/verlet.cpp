@@ -114,15 +114,20 @@ class Verlet : public Integrator {
   }
 
  private:
-  // Divides the step where bodies meet in more ways than impulses within it can keep apart. Throws Failure.
+  // Divides the step where bodies meet in more ways than impulses within it can keep apart, or the host refuses the
+  // state at its end. Throws Failure.
   void step_to(double until, int halvings) {
     const double from = host_.committed().time;
     commits_ = false;
     try {
       step(until);
+      commits_ = true;               // without bodies a smaller step does not help if the commit is refused
+      host_.commit(until, *state_);  // ruptures are carried out there
+      commits_ = false;
     } catch (const Failure& failure) {
       const double middle = 0.5 * (from + until);
-      const bool may_help = host_.network().body_contact_count > 0 && from < middle && middle < until;
+      const bool may_help =
+          host_.network().body_contact_count > 0 && host_.committed().time == from && from < middle && middle < until;
       if (!failure.recoverable() || !may_help || halvings == max_halvings) throw;
       revisions_.reset();
       step_to(middle, halvings + 1);
@@ -131,9 +136,6 @@ class Verlet : public Integrator {
     }
     ++made_;
     if (halvings > 0) ++smaller_;
-    commits_ = true;               // a smaller step does not help if the commit is refused
-    host_.commit(until, *state_);  // ruptures are carried out there
-    commits_ = false;
   }
 
   void step(double until) {
