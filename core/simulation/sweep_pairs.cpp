@@ -37,6 +37,9 @@ constexpr double stiffest_drag = 1e4;
 // to zero, and then keeps its impulses.
 constexpr int patience_of_newton = 25, patience_of_others = 60, sweeps_to_rest = 20;
 constexpr double falls_by = 0.8;
+// Then directions and weights of pairs follow once in so many sweeps: the closest points of edges that are nearly
+// parallel, or of faces, may wander to and fro by themselves.
+constexpr int sweeps_of_newton = 12, sweeps_of_others = 40;
 // What a step may leave of overlaps, in units of the tolerance: a step that has settled leaves far less.
 constexpr double failed_gap = 300.0;
 
@@ -67,6 +70,7 @@ void SweepPairs::begin_step() {
   mobility_.clear();
   no_list_.clear();
   sweeps_ = 0;
+  kept_ = 0;
   friction_share_ = 1.0;
   model_.constraints.pushes().clear();
   const BodyContacts& bodies = model_.constraints.bodies();
@@ -356,7 +360,8 @@ bool SweepPairs::renew_row(std::size_t r, const springnet_sweep& sweep, const Pl
   PairRow& row = rows_[r];
   double gap = 0.0;
   if (r < contacts_.size()) {
-    gap = renew(r, sweep.next_position);
+    gap = r < kept_ ? row.normal.dot(relative(row, sweep.next_position)) - contacts_[r].thickness
+                    : renew(r, sweep.next_position);
   } else {
     const std::size_t surface = reactions_[r - contacts_.size()].surface;
     const Vector3 p = vector_at(sweep.next_position, row.nodes[0]);
@@ -400,6 +405,8 @@ void SweepPairs::constrain(const springnet_sweep& sweep, bool of_newton) {
   if (!contacts_.empty()) ++sweeps_;
   const int sweeps = sweeps_ - (of_newton ? patience_of_newton : patience_of_others);
   friction_share_ = sweeps <= 0 ? 1.0 : sweeps > sweeps_to_rest ? 0.0 : std::pow(falls_by, sweeps);
+  const int since_rest = sweeps - sweeps_to_rest;
+  kept_ = since_rest > 0 && since_rest % (of_newton ? sweeps_of_newton : sweeps_of_others) != 0 ? contacts_.size() : 0;
   const double weight = weight_of(sweep);
   length_ = sweep.time_constant;
   if (!(weight > 0.0) || !is_finite(sweep)) return;

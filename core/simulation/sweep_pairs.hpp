@@ -94,6 +94,7 @@ class SweepPairs {
   std::vector<proximity::MeetingPair> met_;
   int sweeps_ = 0;               // of the step
   double friction_share_ = 1.0;  // by which friction follows
+  std::size_t kept_ = 0;         // pairs whose directions and weights stay in this sweep
   std::string no_list_;          // why there is no list of neighbours for the outputs; empty: there is
   double length_ = 0.0;          // s, of the last sweep's step
 };
