@@ -99,6 +99,20 @@ class Collection {
         lists.balls.push_back({engine_[k], body.radius, group(sides_[k], true)});
   }
 
+  [[nodiscard]] std::string name_of(std::size_t contact) const {
+    const std::string& name = network_.contacts()[contact].name;
+    return name.empty() ? fmt::format("contact {} of bodies", contact) : fmt::format("contact '{}'", name);
+  }
+
+  // Bodies whose thickness is that of nothing.
+  [[nodiscard]] std::string describe_bodies_without_faces() const {
+    std::string result;
+    for (const Body& body : network_.bodies())
+      if (body.thickness > 0.0 && body.face_count == 0 && !(body.radius > 0.0))
+        result += fmt::format("{} '{}'", result.empty() ? "; without faces are the bodies" : ",", body.name);
+    return result;
+  }
+
   // Each side needs something that can be touched.
   void check_sides() const {
     for (std::size_t c = 0; c < network_.contacts().size(); ++c)
@@ -106,13 +120,10 @@ class Collection {
         const bool any = std::any_of(members_.begin(), members_.end(),
                                      [&](const auto& each) { return has(each.first, 2 * c + side); });
         if (any) continue;
-        const std::string& name = network_.contacts()[c].name;
-        throw Error(
-            ErrorKind::input,
-            fmt::format("{}: the {} side has nothing that can be touched: select all corners of a face of a body "
-                        "with 'surface_thickness', or nodes of a body with a 'radius'",
-                        name.empty() ? fmt::format("contact {} of bodies", c) : fmt::format("contact '{}'", name),
-                        side == 0 ? "first" : "second"));
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: the {} side has nothing that can be touched: select all corners of a face of a "
+                                "body with 'surface_thickness', or nodes of a body with a 'radius'",
+                                name_of(c), side == 0 ? "first" : "second"));
       }
   }
 
@@ -171,8 +182,10 @@ class Collection {
         if (!any) continue;
         if (!(least[a] + least[b] > 0.0))
           throw Error(ErrorKind::input,
-                      "bodies in contact with each other have neither 'surface_thickness', of their faces, nor "
-                      "'radius', of nodes without faces: give one of them to a body of each pair");
+                      fmt::format("{}: bodies in contact with each other have neither 'surface_thickness', of their "
+                                  "faces, nor 'radius', of nodes without faces: give one of them to a body of each "
+                                  "pair{}",
+                                  name_of(law_of_groups[a * n + b]), describe_bodies_without_faces()));
         least_thickness = std::min(least_thickness, least[a] + least[b]);
         const bool balls = members_[a].second && members_[b].second,
                    surfaces = !members_[a].second && !members_[b].second;

@@ -131,13 +131,13 @@ std::string Value::prose(std::size_t longest) const {
   return *value;
 }
 
-std::size_t Value::choice(const std::vector<std::string>& choices) const {
+std::size_t Value::choice(const std::vector<std::string>& choices, std::string_view or_else) const {
   const std::string chosen = text();
   const auto found = std::find(choices.begin(), choices.end(), chosen);
   if (found == choices.end()) {
     const std::string nearest = suggestion(chosen, choices);
-    fail(fmt::format("must be one of '{}', is '{}'{}{}", fmt::join(choices, "', '"), printable(chosen),
-                     nearest.empty() ? "" : "; ", nearest));
+    fail(fmt::format("must be one of '{}'{}{}, is '{}'{}{}", fmt::join(choices, "', '"), or_else.empty() ? "" : " or ",
+                     or_else, printable(chosen), nearest.empty() ? "" : "; ", nearest));
   }
   return static_cast<std::size_t>(found - choices.begin());
 }

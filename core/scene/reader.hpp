@@ -43,7 +43,7 @@ class Value {
   // Not empty, not longer than that, without control characters.
   [[nodiscard]] std::string text() const;
   [[nodiscard]] std::string prose(std::size_t longest = longest_text) const;  // the same, but may have several lines
-  [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices) const;
+  [[nodiscard]] std::size_t choice(const std::vector<std::string>& choices, std::string_view or_else = {}) const;
   [[nodiscard]] Vector3 vector() const;     // [x, y, z]
   [[nodiscard]] Vector3 direction() const;  // the same, normalised
 

@@ -78,7 +78,9 @@ Turn read_turn(const Table& table) {
 Friction read_friction(const Value& value) {
   if (value.is_number()) return {Friction::Kind::coulomb, value.number_from_0("")};
   if (!value.is_text()) value.wrong_type("'held', 'none' or a coefficient of friction");
-  return {value.choice({"held", "none"}) == 0 ? Friction::Kind::held : Friction::Kind::none, 0.0};
+  return {
+      value.choice({"held", "none"}, "a coefficient of friction") == 0 ? Friction::Kind::held : Friction::Kind::none,
+      0.0};
 }
 
 // The keys common to planes, instruments and contacts of bodies.

@@ -152,7 +152,8 @@ springnet_status end_pairs(Model& model, const PairEnding& step, EndingPairs pai
       const Vector3 guess = step.in_halves ? Vector3(2.0 * at_end) : pair.impulse;
       touching.push_back({key.first, key.second, impulse / step.length, guess / step.length});
     } else if (pair.touched || acts) {
-      record(model, Event::Kind::parted, pair.row, step, Vector3::Zero());
+      // Its last step has no row among the forces of pairs that touch. What met in it has that impulse already.
+      record(model, Event::Kind::parted, pair.row, step, pair.touched ? impulse : Vector3(Vector3::Zero()));
     }
   }
   bodies.set_touching(std::move(touching));

@@ -166,6 +166,29 @@ std::function<void(Network&)> floor_of(const Friction& friction, double restitut
   };
 }
 
+// Under the body a fixed sheet of another one, at whose thickness its nodes come to 0 m.
+constexpr double thickness = 0.02, sheet_side = 8.0;  // m
+std::function<void(Network&)> sheet_of(const Friction& friction, double restitution = 0.0) {
+  return [=](Network& net) {
+    net.set_extent(0, thickness, 0.0);
+    net.begin_body("sheet");
+    const auto first = static_cast<NodeIndex>(net.nodes().size());
+    for (int k = 0; k < 4; ++k)
+      net.fix(net.add_node(point({sheet_side * (k % 2 - 0.5), sheet_side * (k / 2 - 0.5), -thickness})));
+    net.add_face({first, first + 1, first + 3});
+    net.add_face({first, first + 3, first + 2});
+    net.end_body();
+    net.set_extent(1, thickness, 0.0);
+    BodyContact contact;
+    for (NodeIndex k = 0; k < first; ++k) contact.first.push_back(k);
+    for (NodeIndex k = first; k < first + 4; ++k) contact.second.push_back(k);
+    contact.friction = friction;
+    contact.restitution = restitution;
+    net.add_contact(contact);
+  };
+}
+double above_sheet(const Vector3& x, double) { return std::abs(x.x()) < 0.4 * sheet_side ? x.z() : 1.0; }
+
 std::vector<Constraint> constraints() {
   const auto above = [](const Vector3& x, double) { return x.z(); };
   const auto free = [](const Vector3&, double) { return 1.0; };
@@ -214,7 +237,12 @@ std::vector<Constraint> constraints() {
           {"box", instrument(true), above},
           {"rigid connections on a plane, `held`", both(rods, floor_of(held)), above},
           {"rigid connections on a plane, Coulomb friction", both(rods, floor_of(coulomb)), above},
-          {"rigid connections on a plane with restitution", both(rods, floor_of(none, 0.5)), above}};
+          {"rigid connections on a plane with restitution", both(rods, floor_of(none, 0.5)), above},
+          {"another body, `held`", sheet_of(held), above_sheet},
+          {"another body, no friction", sheet_of(none), above_sheet},
+          {"another body, Coulomb friction", sheet_of(coulomb), above_sheet},
+          {"another body with restitution", sheet_of(none, 0.5), above_sheet},
+          {"rigid connections on another body, Coulomb friction", both(rods, sheet_of(coulomb)), above_sheet}};
 }
 
 std::vector<Method> methods() {
@@ -299,6 +327,7 @@ Outcome run(const Law& law, const Constraint& constraint, const Method& method) 
 const std::vector<std::pair<std::vector<std::string>, std::string>>& reasons() {
   static const std::vector<std::pair<std::vector<std::string>, std::string>> known{
       {{"offers no derivatives"}, "needs the law's derivatives"},
+      {{"does not handle contact of bodies"}, "does not keep bodies apart"},
       {{"rigid", "\"bdf\""}, "keeps rigid connections with `method = \"bdf\"` only"},
       {{"relative"}, "only springs, between two nodes, have a relative velocity"}};
   return known;
