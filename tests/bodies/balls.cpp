@@ -200,3 +200,35 @@ TEST_CASE("balls that others push do not pass an obstacle, and it carries those 
     CHECK(s.reaction(0)[2] == doctest::Approx(5.1 * 9.81).epsilon(1e-3));
   }
 }
+
+// Balls wider than the springs between them: those that a spring joins overlap, the others never meet.
+TEST_CASE("balls that springs join do not touch: no bit of their motion changes") {
+  for (const LawUse& integrator : {verlet, recurrent(newton, 1e-9), reference(1e-6)}) {
+    CAPTURE(integrator.id);
+    std::vector<Vector3> without;
+    for (const bool contact : {false, true}) {
+      Network net;
+      net.begin_body("rope");
+      const MaterialIndex material = net.add_material(damped(200.0, 0.1));
+      for (int i = 0; i < 8; ++i) {
+        Node node = point({0.1 * i, 0, 0}, 0.02, {0, 0.1 * i, 0});
+        node.fixed = i == 0;
+        if (node.fixed) node.velocity.setZero();
+        net.add_node(node);
+      }
+      for (NodeIndex i = 0; i + 1 < 8; ++i) net.add_spring(i, i + 1, material);
+      net.end_body();
+      net.set_extent(0, 0.0, 0.06);
+      if (contact) touch_all(net, {Friction::Kind::coulomb, 0.3});
+      Simulation s = simulate(net, integrator, 0.001);
+      advance(s, 100);
+      CHECK(s.body_touches().empty());
+      for (NodeIndex k = 0; k < 8; ++k) {
+        if (contact)
+          CHECK(s.position(k) == without[k]);
+        else
+          without.push_back(s.position(k));
+      }
+    }
+  }
+}

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bodies.hpp"
+#include "rigid_bodies.hpp"
 
 using namespace springnet;
 using namespace springnet::testing;
@@ -80,4 +81,45 @@ TEST_CASE("a block that is thrown along another one stops where friction stops i
   advance(s, 3000);
   CHECK(mean(place)[0] - start == doctest::Approx(0.5 * speed * speed / slows).epsilon(0.03));
   CHECK(mean(velocity).norm() <= 1e-3);
+}
+
+// Below the angle of friction of both, above that of the upper pair, above that of the lower pair only: both go as one.
+TEST_CASE("a rigid block on a rigid block on an incline slides above the angle of friction between them") {
+  constexpr double time = 0.1, mass = 0.8, h = 0.002, apart = 2e-3;
+  struct Case {
+    double upper, lower, angle;
+  };
+  for (const Method& method : methods(1e-8)) {
+    CAPTURE(method.name);
+    for (const auto& [upper, lower, angle] :
+         {Case{0.3, 0.8, std::atan(0.3) - apart}, Case{0.3, 0.8, std::atan(0.3) + apart}, Case{0.3, 0.8, 0.4},
+          Case{0.8, 0.3, std::atan(0.3) - apart}, Case{0.8, 0.3, 0.4}}) {
+      CAPTURE(upper);
+      CAPTURE(lower);
+      CAPTURE(angle);
+      Network net;
+      add_sheet(net, "incline", 5, 2.0, {0, 0, 0}, Vector3::UnitX(), Vector3::UnitY(), 0.02, 1.0, true);
+      // Flat, so that none tips over; within the one below.
+      add_box(net, "lower", {-0.31, -0.23, 0.02}, {0.5, 0.4, 0.06}, mass, 0.01);
+      add_box(net, "upper", {-0.22, -0.17, 0.10}, {0.3, 0.25, 0.06}, mass, 0.01);
+      touch(net, 0, 1, {Friction::Kind::coulomb, lower});
+      touch(net, 1, 2, {Friction::Kind::coulomb, upper});
+      net.set_gravity(g * Vector3(std::sin(angle), 0, -std::cos(angle)));
+      Simulation s = simulate(net, method.integrator, h);
+      advance(s, 50);
+      const auto slides_at = [&](double mu) { return std::max(0.0, g * (std::sin(angle) - mu * std::cos(angle))); };
+      // Where the upper pair holds, both have the acceleration of the lower one.
+      const double a_lower = upper > lower ? slides_at(lower) : 0.0,
+                   a_upper = upper > lower ? a_lower : slides_at(upper);
+      for (const auto& [body, a] : {std::pair(1u, a_lower), std::pair(2u, a_upper)}) {
+        CAPTURE(body);
+        const double path = 0.5 * a * time * (time + (2.0 * method.theta - 1.0) * h);
+        const NodeIndex first = net.bodies()[body].first_node;
+        for (NodeIndex k = first; k < first + 8; ++k) {
+          CHECK((s.position(k) - net.nodes()[k].position - path * Vector3::UnitX()).norm() <= 1e-5);
+          CHECK((s.velocity(k) - a * time * Vector3::UnitX()).norm() <= 2e-4);
+        }
+      }
+    }
+  }
 }

@@ -173,7 +173,7 @@ TEST_CASE("steps of the network tend to the motion that velocity Verlet finds, w
 
 TEST_CASE("in the network a node that is fired at a sheet at a hundred thicknesses a step does not pass") {
   const double thickness = 0.002, h = 0.01, speed = 100.0 * thickness / h;
-  for (const std::string rule : {"wavefront", "newton"}) {
+  for (const std::string rule : update_rules) {
     for (const bool fixed : {true, false}) {
       for (const Vector3& direction : {Vector3(0, 0, -1), Vector3(0.3, -0.5, -1.0), Vector3(1.0, 0.2, -0.1)}) {
         CAPTURE(rule);
