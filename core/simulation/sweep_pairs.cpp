@@ -11,6 +11,7 @@
 #include <springnet/error.hpp>
 
 #include "constraints/independent_rows.hpp"
+#include "constraints/same_rows.hpp"
 #include "constraints/vectors.hpp"
 #include "plugin_host/message.hpp"
 #include "profile/stage.hpp"
@@ -377,6 +378,7 @@ bool SweepPairs::renew_row(std::size_t r, const springnet_sweep& sweep, const Pl
 }
 
 void SweepPairs::find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy) {
+  static_cast<void>(join_same(rows_));
   const auto keep = [this](bool keeps) {
     for (PairRow& row : rows_) row.keeps_across = keeps;
   };
