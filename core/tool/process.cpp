@@ -12,7 +12,19 @@ namespace {
 
 volatile std::sig_atomic_t interrupt_seen = 0;
 
-void note_interrupt(int) { interrupt_seen = 1; }
+constexpr unsigned patience = 1;  // s
+
+// Only what a signal handler may call.
+void note_interrupt(int) {
+  interrupt_seen = 1;
+  alarm(patience);
+}
+
+void explain_wait(int) {
+  static constexpr char text[] =
+      "springnet: ends after this time step and its outputs; another Ctrl-C or SIGTERM ends it at once\n";
+  if (::write(STDERR_FILENO, text, sizeof text - 1) < 0) return;  // nobody reads it
+}
 
 bool is_ignored(int signal) noexcept {
   struct sigaction now;
@@ -43,6 +55,7 @@ void catch_interrupts() noexcept {
   for (const int signal : {SIGINT, SIGTERM}) {
     if (!is_ignored(signal)) handle(signal, note_interrupt, SA_RESTART | static_cast<int>(SA_RESETHAND));
   }
+  handle(SIGALRM, explain_wait, SA_RESTART);
   // Not reset by the first one, because these repeat: SIGHUP from the shell and the kernel, SIGXCPU every second.
   for (const int signal : {SIGHUP, SIGXCPU}) {
     if (!is_ignored(signal)) handle(signal, note_interrupt, SA_RESTART);

@@ -12,7 +12,8 @@ void prepare_process() noexcept;
 void outlive_readers() noexcept;
 
 // After this, Ctrl-C, SIGTERM, the loss of the terminal (SIGHUP) and the limit of processor time (SIGXCPU) make
-// interrupted() true, so that a run can end in order. A second Ctrl-C or SIGTERM ends the process at once. Signals that
+// interrupted() true, so that a run can end in order; if that takes longer than a second, a line on standard error says
+// what it waits for. A second Ctrl-C or SIGTERM ends the process at once. Signals that
 // are ignored at the start, as under nohup, stay ignored.
 void catch_interrupts() noexcept;
 [[nodiscard]] bool interrupted() noexcept;

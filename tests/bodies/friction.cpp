@@ -2,7 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include <springnet/events.hpp>
 
 #include "bodies.hpp"
 #include "rigid_bodies.hpp"
@@ -121,5 +125,46 @@ TEST_CASE("a rigid block on a rigid block on an incline slides above the angle o
         }
       }
     }
+  }
+}
+
+// Of the upper one: the mean forces of pairs that touch at the end of a step, and the impulses of the events of others.
+TEST_CASE("forces of pairs and impulses of events together are what a body gets in each step") {
+  constexpr double h = 0.001;
+  for (const LawUse& integrator : {verlet, recurrent(newton, 1e-8)}) {
+    CAPTURE(integrator.id);
+    Network net;
+    add_block(net, "lower", 3, 0.05, {0, 0, 0}, at_rest, 0.01, 0.01, 500.0, 0.5);
+    add_block(net, "upper", 3, 0.04, {0.01, 0.013, 0.111}, {0.4, 0, 0}, 0.01, 0.01, 500.0, 0.5);
+    for (NodeIndex k = 0; k < 9; ++k) net.fix(k);
+    touch(net, 0, 1, {Friction::Kind::coulomb, 0.3});
+    net.set_gravity({0, 0, -g});
+    const NodeIndex first = net.bodies()[1].first_node;
+    Simulation s = simulate(net, integrator, h);
+    const auto momentum_above = [&] {
+      Vector3 sum = Vector3::Zero();
+      for (NodeIndex k = first; k < net.nodes().size(); ++k) sum += net.nodes()[k].mass * s.velocity(k);
+      return sum;
+    };
+    Vector3 before = momentum_above();
+    std::size_t seen = 0, parted = 0;
+    for (int i = 0; i < 150; ++i) {
+      s.step();
+      Vector3 given = 27 * 0.01 * h * net.gravity();
+      const auto is_first = [&](NodeIndex node) { return node >= first ? 1.0 : -1.0; };
+      for (const BodyTouch& each : s.body_touches()) given += h * is_first(each.nodes[0]) * each.force;
+      for (; seen < s.events().size(); ++seen) {
+        const Event& event = s.events()[seen];
+        const std::vector<BodyTouch> touches = s.body_touches();
+        const bool touches_still = std::any_of(touches.begin(), touches.end(),
+                                               [&](const BodyTouch& each) { return each.nodes == event.pair; });
+        if (!touches_still) given += is_first(event.pair[0]) * event.impulse;
+        parted += event.kind == Event::Kind::parted && event.impulse.norm() > 1e-9 ? 1 : 0;
+      }
+      const Vector3 now = momentum_above();
+      CHECK((now - before - given).norm() < 1e-9);  // 3e-3 N s a step; network: forces to 1e-8 N
+      before = now;
+    }
+    if (integrator.id == "verlet") CHECK(parted > 0);
   }
 }

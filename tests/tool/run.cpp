@@ -1,4 +1,5 @@
 #include <chrono>
+#include <csignal>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -195,6 +196,22 @@ TEST_CASE("SIGTERM stops the run in order") {
   const testing::Csv csv = testing::read_csv(folder.path() / "out/trajectory.csv");
   REQUIRE(csv.rows.size() == 4);
   CHECK(csv.number(3, 0) == summary["simulated_s"].get<double>());
+}
+
+TEST_CASE("SIGTERM in a long time step: a line says what it waits for, and a second one ends the run at once") {
+  const TemporaryFolder folder;
+  folder.write("pair.toml", testing::pair_scene);
+  // A single time step of three hundred million periods.
+  const Answer answer = testing::shell(
+      folder,
+      "\"$SPRINGNET\" run pair.toml --duration 1e9 --time-step 1e9 "
+      "--set 'simulation.integrator={name=\"cvode\",max_steps=1000000000}' "
+      "--set body.0.viscosity.damping=0 -q -o out 2> err & "
+      "tool=$!; while [ ! -e out/events.csv ] && kill -0 $tool; do sleep 0.05; done; kill -TERM $tool; "
+      "for i in $(seq 200); do grep -q 'ends after this time step' err && break; sleep 0.05; done; cat err >&2; "
+      "kill -TERM $tool; wait $tool");
+  CHECK(answer.status == 128 + SIGTERM);
+  CHECK(answer.err.find("another Ctrl-C or SIGTERM ends it at once") != std::string::npos);
 }
 
 TEST_CASE("a separate multiple of real time is an error that shows how to write it") {
