@@ -300,17 +300,17 @@ bool RigidConnections::creep(const Placement& at, const Cluster& cluster, const 
   constexpr double most = 1e-6;  // of the longest connection
   double scale = 0.0;
   for (const std::uint32_t r : cluster.rods) scale = std::max(scale, rods_[r].length);
-  std::vector<std::uint8_t> movable(cluster.nodes.size());
+  std::vector<std::uint8_t> movable(cluster.nodes.size()), sticks(movable.size());
   for (std::size_t i = 0; i < movable.size(); ++i) {
     const std::uint32_t k = cluster.nodes[i];
-    const bool sticks = contact_.constrained()[k] != 0 && contact_.fixed()[k] == 0 && touches[i].surfaces()[0] >= 0;
-    if (sticks) touches[i].slides = true;
-    movable[i] = sticks || contact_.constrained()[k] == 0 ? 1 : 0;
+    sticks[i] = contact_.constrained()[k] != 0 && contact_.fixed()[k] == 0 && touches[i].surfaces()[0] >= 0 ? 1 : 0;
+    if (sticks[i] != 0) touches[i].slides = true;
+    movable[i] = sticks[i] != 0 || contact_.constrained()[k] == 0 ? 1 : 0;
   }
   positions = before;
   if (!correct_positions(at, cluster, touches, positions, movable)) return false;
   for (std::size_t i = 0; i < movable.size(); ++i)
-    if (!((positions[i] - before[i]).norm() <= most * scale)) return false;
+    if (sticks[i] != 0 && !((positions[i] - before[i]).norm() <= most * scale)) return false;
   return true;
 }
 

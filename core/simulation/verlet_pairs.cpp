@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -28,41 +29,12 @@ struct Diverged {
 
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
-constexpr int max_reopened = 20;           // rounds of obstacles that change what they hold of rigid bodies
-constexpr int max_bounce_rounds = 50;      // rounds of impacts within a step after which they are inelastic
-constexpr double share_of_held = 0.25;     // of the thickness: overlaps of what nothing lets give way
-constexpr double share_of_late = 0.01;     // likewise, of what impacts turn late in the step
-constexpr std::size_t most_in_order = 64;  // impacts, one after the other; of more at once, the first of each node
-constexpr double simultaneous = 1e-9;      // share of the step within which impacts are at the same time
+constexpr int max_reopened = 20;        // rounds of obstacles that change what they hold of rigid bodies
+constexpr int most_rebounds = 50;       // of a pair within a step; later impacts of it are inelastic
+constexpr double share_of_held = 0.25;  // of the thickness: overlaps of what nothing lets give way
+constexpr double share_of_late = 0.001;  // likewise, of what impacts turn late in the step
 // A pair that meets at the very end of a step: impulses of the kick stop it.
 constexpr double least_lever = 1e-3;  // of the step
-
-// When and how a pair comes to its thickness, from a meeting that may be a little early: Newton's method on the
-// distance along the paths. Empty if it only comes near.
-std::optional<proximity::Meeting> refine(proximity::PairKind kind, const std::array<Vector3, 4>& start,
-                                         const std::array<Vector3, 4>& end, double thickness,
-                                         proximity::Meeting found) {
-  constexpr int most = 40;  // of grazing pairs, each has a quarter of the gap before
-  const Vector3 side = found.at.direction;
-  for (int i = 0; i < most; ++i) {
-    double rate = 0.0;  // of the distance, over the step
-    for (std::size_t k = 0; k < 4; ++k) rate += found.at.weights[k] * found.at.direction.dot(end[k] - start[k]);
-    const double gap = found.at.distance - thickness;
-    if (!(gap > 0.0)) break;
-    const double time = rate < 0.0 ? found.time - gap / rate : 2.0;
-    if (!(time > found.time)) break;
-    if (time > 1.0) {
-      // Distances of straight motions are convex, so that it does not get there; pairs that turn may.
-      if (on_side(separation(kind, end), side).distance >= thickness) return std::nullopt;
-      break;
-    }
-    std::array<Vector3, 4> now;
-    for (std::size_t k = 0; k < 4; ++k) now[k] = start[k] + time * (end[k] - start[k]);
-    found.at = on_side(separation(kind, now), found.at.direction);
-    found.time = time;
-  }
-  return found;
-}
 
 }  // namespace
 
@@ -126,88 +98,12 @@ void VerletPairs::add(const springnet_sweep& step, proximity::PairKind kind, pro
     contact.is_impact = true;
     contact.is_fast = came > std::max(falls, tolerance_.gap / h_);
     // A rebound slower than the fall within the step ends in contact, and so do many after each other.
-    contact.bounces = rounds_ < max_bounce_rounds && restitution * came > std::max(falls, tolerance_.gap / h_);
+    contact.bounces =
+        restitution * came > std::max(falls, tolerance_.gap / h_) && ++bounces_[std::pair(kind, pair)] <= most_rebounds;
     if (contact.bounces) row.value = -restitution * came;
   }
   rows_.push_back(row);
   contacts_.push_back(contact);
-}
-
-void VerletPairs::add_first(const springnet_sweep& step, const proximity::Positions& start,
-                            const proximity::Positions& end) {
-  const proximity::Primitives& all = model_.constraints.bodies().primitives();
-  struct Found {
-    proximity::PairKind kind;
-    proximity::Pair pair;
-    proximity::Meeting at;
-  };
-  std::vector<Found> found;
-  // Before an impact of one of its nodes the path of a pair is another one.
-  struct Way {
-    double since;  // share of the step
-    std::array<Vector3, 4> from, to;
-  };
-  const auto way_of = [&](proximity::PairKind kind, proximity::Pair pair) {
-    Way way{0.0, all.corners(kind, pair, start), all.corners(kind, pair, end)};
-    for (const std::uint32_t node : all.nodes_of(kind, pair))
-      if (const auto struck = struck_.find(node); struck != struck_.end())
-        way.since = std::max(way.since, struck->second);
-    for (std::size_t k = 0; k < 4; ++k) way.from[k] += way.since * (way.to[k] - way.from[k]);
-    return way;
-  };
-  // early: in units of its way.
-  const auto look_at = [&](proximity::PairKind kind, proximity::Pair pair, const Way& way,
-                           const std::optional<proximity::Meeting>& early) {
-    auto meeting = refine(kind, way.from, way.to, all.thickness(kind, pair),
-                          early ? *early : proximity::Meeting{0.0, separation(kind, way.from)});
-    if (!meeting) return;
-    meeting->time = way.since + (1.0 - way.since) * meeting->time;
-    found.push_back({kind, pair, *meeting});
-  };
-  for (const proximity::MeetingPair& each : met_) {
-    if (known_.contains(std::pair(each.kind, each.pair))) continue;
-    const Way way = way_of(each.kind, each.pair);
-    if (way.since > 0.0) {
-      if (const auto meeting = first_meeting(each.kind, way.from, way.to, all.thickness(each.kind, each.pair)))
-        look_at(each.kind, each.pair, way, meeting);
-    } else if (each.meeting.from_start) {
-      add(step, each.kind, each.pair, separation(each.kind, way.from), 0.0, false);
-    } else {
-      look_at(each.kind, each.pair, way, each.meeting);
-    }
-  }
-  // What begins so near that it counts as touching.
-  std::set<std::pair<proximity::PairKind, proximity::Pair>> met;
-  for (const Found& each : found) met.emplace(each.kind, each.pair);
-  for (const proximity::NearPair& each : near_) {
-    const std::pair key(each.kind, each.pair);
-    if (each.gap >= -tolerance_.gap || known_.contains(key) || met.contains(key)) continue;
-    look_at(each.kind, each.pair, way_of(each.kind, each.pair), std::nullopt);
-  }
-  // Of each node, and of each cluster, the first one: its path after that is another one.
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return std::tuple(a.at.time, a.kind, a.pair) < std::tuple(b.at.time, b.kind, b.pair);
-  });
-  std::map<std::uint32_t, double> taken;
-  std::vector<const Found*> first;
-  for (const Found& each : found) {
-    const std::array<std::uint32_t, 4> nodes = all.nodes_of(each.kind, each.pair);
-    const bool is_later = std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t node) {
-      const auto before = taken.find(node);
-      return before != taken.end() && each.at.time > before->second + simultaneous;
-    });
-    for (const std::uint32_t node : nodes)
-      if (mobility_[node] > 0.0)
-        clusters_.for_each_moved(node, [&](std::uint32_t k) { taken.emplace(k, each.at.time); });
-    if (!is_later) first.push_back(&each);
-  }
-  // What is struck may meet others before they meet what comes later.
-  if (first.size() <= most_in_order)
-    std::erase_if(first, [&](const Found* each) { return each->at.time > first.front()->at.time + simultaneous; });
-  bool struck = false;
-  for (const Found* each : first) struck = strike(step, each->kind, each->pair, each->at.time) || struck;
-  if (struck) renew_mobility(step);
-  for (const Found* each : first) add(step, each->kind, each->pair, each->at.at, each->at.time, true);
 }
 
 bool VerletPairs::find(const springnet_sweep& step) {
@@ -449,9 +345,27 @@ VerletContact::Pushes VerletPairs::pushes(const springnet_sweep& step) const {
   return result;
 }
 
+// What impulses did not keep apart.
+springnet_status VerletPairs::check(const springnet_sweep& step) const {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const double overlap = -gap(r, step.next_position);
+    if (!(overlap > (rows_[r].is_blocked ? share_of_held : share_of_late) * contacts_[r].thickness)) continue;
+    const char* const why = rows_[r].is_blocked
+                                ? "and there is no place left for either between bodies and obstacles; stop their "
+                                  "motion earlier, or let them escape"
+                                : "at the end of a step in which they meet and turn";
+    set_message(model_.journal.message,
+                fmt::format("{} overlap by {:g} m, {}",
+                            model_.constraints.bodies().describe(rows_[r].kind, rows_[r].pair), overlap, why));
+    return SPRINGNET_RECOVERABLE;
+  }
+  return SPRINGNET_OK;
+}
+
 springnet_status VerletPairs::drift(const springnet_sweep& step, const ConstrainOthers& constrain_others) {
   try {
-    return keep_apart(step, constrain_others);
+    const springnet_status status = keep_apart(step, constrain_others);
+    return status == SPRINGNET_OK ? check(step) : status;
   } catch (const Diverged& diverged) {
     set_message(model_.journal.message, diverged.why);
     return SPRINGNET_RECOVERABLE;
@@ -537,17 +451,6 @@ springnet_status VerletPairs::kick(const springnet_sweep& step) {
   if (rows_.empty()) {
     bodies.set_touching({});
     return SPRINGNET_OK;
-  }
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const double overlap = -gap(r, step.next_position);
-    if (!(overlap > (rows_[r].is_blocked ? share_of_held : share_of_late) * contacts_[r].thickness)) continue;
-    const char* const why = rows_[r].is_blocked
-                                ? "and there is no place left for either between bodies and obstacles; stop their "
-                                  "motion earlier, or let them escape"
-                                : "at the end of a step in which they meet and turn";
-    set_message(model_.journal.message,
-                fmt::format("{} overlap by {:g} m, {}", bodies.describe(rows_[r].kind, rows_[r].pair), overlap, why));
-    return SPRINGNET_RECOVERABLE;
   }
   // Obstacles have done their part of the kick: nodes that they keep go on as they say.
   note_obstacles(step, false);

@@ -40,6 +40,7 @@ class VerletPairs {
   }
 
  private:
+  static constexpr double simultaneous = 1e-9;  // share of the step within which impacts are at the same time
   struct Contact {
     Vector3 side;            // direction of the pair while it has not gone through
     double thickness;        // m
@@ -58,6 +59,12 @@ class VerletPairs {
            double share, bool is_new);
   // Adds rows of pairs that met_ and near_ have: of each node, and of each cluster, the first.
   void add_first(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
+  struct MeetingNodes {
+    std::array<std::uint32_t, 4> nodes;
+    double time;  // share of the step
+  };
+  // [meeting] 1: it is to happen now. In the order of time.
+  [[nodiscard]] std::vector<std::uint8_t> in_order(const std::vector<MeetingNodes>& meetings) const;
   // Adds rows of pairs that touched before these impacts and pass them on when they happen. Their first rows keep the
   // impulses that they have.
   void pass_on(const springnet_sweep& step, std::size_t first_impact, const proximity::Positions& start,
@@ -82,6 +89,8 @@ class VerletPairs {
   // Impulses until no pair overlaps at the end of the step.
   springnet_status separate(const springnet_sweep& step);
   springnet_status fail() const;
+  // SPRINGNET_RECOVERABLE, with a message, if bodies overlap at the end of the step.
+  springnet_status check(const springnet_sweep& step) const;
 
   Model& model_;
   double from_, until_, h_;  // s
@@ -103,6 +112,7 @@ class VerletPairs {
     }
   } gained_;
   std::map<std::uint32_t, OnObstacle> on_obstacles_;
+  std::map<std::pair<proximity::PairKind, proximity::Pair>, int> bounces_;  // within the step
   std::map<std::uint32_t, double> struck_;  // [node] share of the step of its last impact
   int rounds_ = 0;                          // of finding pairs
   std::vector<proximity::NearPair> near_;

@@ -72,7 +72,9 @@ std::string explain(const Step& step, const Attempt& attempt, const Circumstance
   if (!attempt.law_message.empty()) {
     const std::string text = "the step diverges" + after + attempt.law_message;
     if (circumstances.fails_at_start) return text + "; " + remedy_for_start(circumstances);
-    return has_remedy(attempt.law_message) ? text : text + "; " + remedy;
+    if (!has_remedy(attempt.law_message)) return text + "; " + remedy;
+    const bool is_told = attempt.law_message.find("unsettled") != std::string::npos;
+    return is_told ? text : text + ", or unsettled = \"adapt\", which divides such steps";
   }
   if (!step.finite) {
     const std::string text = "the step diverges" + after + "numbers are no longer finite, first at node " + node + "; ";

@@ -75,6 +75,7 @@ class Verlet : public Integrator {
       check_stability(until - from);
     report.residual = report.force_difference = std::numeric_limits<double>::quiet_NaN();
     made_ = smaller_ = 0;
+    commits_ = false;
     try {
       for (std::int64_t i = 1; i <= substeps_; ++i)
         step_to(i == substeps_ ? until : from + static_cast<double>(i) * h, 0);
@@ -114,28 +115,25 @@ class Verlet : public Integrator {
   }
 
  private:
-  // Divides the step where bodies meet in more ways than impulses within it can keep apart, or the host refuses the
-  // state at its end. Throws Failure.
+  // Divides the step where the host finds no outputs that keep bodies apart, before it has taken any. Throws Failure.
   void step_to(double until, int halvings) {
     const double from = host_.committed().time;
-    commits_ = false;
     try {
       step(until);
-      commits_ = true;               // without bodies a smaller step does not help if the commit is refused
-      host_.commit(until, *state_);  // ruptures are carried out there
-      commits_ = false;
     } catch (const Failure& failure) {
-      const double middle = 0.5 * (from + until);
-      const bool may_help =
-          host_.network().body_contact_count > 0 && host_.committed().time == from && from < middle && middle < until;
-      if (!failure.recoverable() || !may_help || halvings == max_halvings) throw;
       revisions_.reset();
+      const double middle = 0.5 * (from + until);
+      const bool may_help = host_.network().body_contact_count > 0 && from < middle && middle < until;
+      if (!failure.recoverable() || !may_repeat_ || !may_help || halvings == max_halvings) throw;
       step_to(middle, halvings + 1);
       step_to(until, halvings + 1);
       return;
     }
     ++made_;
     if (halvings > 0) ++smaller_;
+    commits_ = true;               // a smaller step does not help if the commit is refused
+    host_.commit(until, *state_);  // ruptures are carried out there
+    commits_ = false;
   }
 
   void step(double until) {
@@ -144,6 +142,7 @@ class Verlet : public Integrator {
     const springnet_network& network = host_.network();
     const std::size_t n = network.node_count;
     const double h = until - from;
+    may_repeat_ = true;
     // The acceleration at the end of the last step, unless something changed since then.
     const std::pair revisions(network.revision, host_.load_revision());
     if (revisions_ != revisions || network.rigid_count > 0) {
@@ -172,6 +171,7 @@ class Verlet : public Integrator {
     for (std::size_t i = 0; i < 3 * n; ++i) change_.values[i] = acceleration_.values[i] - change_.values[i];
     advance_by(next.velocity, next.velocity, 0.5 * h, change_.vectors(), n);
     host_.project_state(until, next);
+    may_repeat_ = network.surface_count == 0;  // the host takes the contacts that obstacles decide in the kick
     constrain(kick, start, next, until, h, next.velocity);
 
     next.force_is_current = 0;  // velocity-dependent forces belong to the predicted velocity
@@ -264,7 +264,7 @@ class Verlet : public Integrator {
   static constexpr double reserve = 1.03;                // of the advice: laws may stiffen a little
   double checked_step_ = 0.0;                            // s
   std::uint64_t made_ = 0, smaller_ = 0;                 // steps of this time step; those of them of divided ones
-  bool commits_ = false;
+  bool may_repeat_ = true, commits_ = false;
   std::uint64_t checked_revision_ = 0;
   std::uint64_t steps_since_check_ = 0;
 };
