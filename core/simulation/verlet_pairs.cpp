@@ -29,9 +29,9 @@ struct Diverged {
 
 constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
-constexpr int max_reopened = 20;        // rounds of obstacles that change what they hold of rigid bodies
-constexpr int most_rebounds = 50;       // of a pair within a step; later impacts of it are inelastic
-constexpr double share_of_held = 0.25;  // of the thickness: overlaps of what nothing lets give way
+constexpr int max_reopened = 20;         // rounds of obstacles that change what they hold of rigid bodies
+constexpr int most_rebounds = 50;        // of a pair within a step; later impacts of it are inelastic
+constexpr double share_of_held = 0.25;   // of the thickness: overlaps of what nothing lets give way
 constexpr double share_of_late = 0.001;  // likewise, of what impacts turn late in the step
 // A pair that meets at the very end of a step: impulses of the kick stop it.
 constexpr double least_lever = 1e-3;  // of the step
