@@ -1,7 +1,6 @@
 // Which pairs of bodies meet on the ways of a step, and which of these impacts are next.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <numeric>

@@ -3,11 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <numeric>
-#include <optional>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
