@@ -27,6 +27,7 @@ constexpr int max_pair_rounds = 1000;  // of finding pairs, and of curved gaps
 constexpr int max_obstacle_rounds = 200;
 constexpr int max_reopened = 20;         // rounds of obstacles that change what they hold of rigid bodies
 constexpr int most_rebounds = 50;        // of a pair within a step; later impacts of it are inelastic
+constexpr double most_moved = 0.1;       // of weights: closest points beyond are others
 constexpr double share_of_held = 0.25;   // of the thickness: overlaps of what nothing lets give way
 constexpr double share_of_late = 0.001;  // likewise, of what impacts turn late in the step
 // A pair that meets at the very end of a step: impulses of the kick stop it.
@@ -239,12 +240,27 @@ void VerletPairs::reopen_impacts() {
   }
 }
 
-double VerletPairs::gap(std::size_t row, const springnet_vectors& position) const {
+proximity::Separation VerletPairs::separation_at(std::size_t row, const springnet_vectors& position) const {
   const PairRow& of = rows_[row];
   const proximity::Primitives& all = model_.constraints.bodies().primitives();
   const proximity::Positions x = positions_of(read_only(position), model_.node_count());
-  const proximity::Separation now = on_side(separation(of.kind, all.corners(of.kind, of.pair, x)), contacts_[row].side);
-  return now.distance - contacts_[row].thickness;
+  return on_side(separation(of.kind, all.corners(of.kind, of.pair, x)), contacts_[row].side);
+}
+
+double VerletPairs::gap(std::size_t row, const springnet_vectors& position) const {
+  return separation_at(row, position).distance - contacts_[row].thickness;
+}
+
+// Where the closest points have gone elsewhere, as along edges that are nearly parallel, the row says nothing of them:
+// what it can do is keep its own points apart.
+double VerletPairs::own_gap(std::size_t r, const springnet_vectors& position) const {
+  const PairRow& row = rows_[r];
+  const proximity::Separation now = separation_at(r, position);
+  double moved = 0.0;
+  for (std::size_t i = 0; i < row.weights.size(); ++i)
+    moved = std::max(moved, std::abs(now.weights[i] - row.weights[i]));
+  const double apart = moved > most_moved ? row.normal.dot(relative(row, position)) : now.distance;
+  return apart - contacts_[r].thickness;
 }
 
 springnet_status VerletPairs::fail() const {
@@ -267,7 +283,7 @@ springnet_status VerletPairs::separate(const springnet_sweep& step) {
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       PairRow& row = rows_[r];
       if (row.is_done || row.is_blocked) continue;
-      const double now = gap(r, step.next_position);
+      const double now = own_gap(r, step.next_position);
       // Its path is curved. Where little of the step is left that is little, too, and left to the next one.
       const bool may_close = !contacts_[r].bounces && row.lever >= 0.5 * h_;
       if (row.by_rate && round > 0 && may_close && now < -tolerance_.gap) row.by_rate = false;

@@ -76,7 +76,10 @@ class VerletPairs {
   [[nodiscard]] MovedNodes moved(const springnet_sweep& step) const;
   void note_obstacles(const springnet_sweep& step, bool of_drift);
   [[nodiscard]] VerletContact::Pushes pushes(const springnet_sweep& step) const;
+  // On the side on which it met.
+  [[nodiscard]] proximity::Separation separation_at(std::size_t row, const springnet_vectors& position) const;
   [[nodiscard]] double gap(std::size_t row, const springnet_vectors& position) const;
+  [[nodiscard]] double own_gap(std::size_t row, const springnet_vectors& position) const;
   // The clusters of a pair's nodes are to answer impulses on them from this share of the step on. Returns whether any
   // did not.
   bool strike(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, double share);
