@@ -294,26 +294,6 @@ void RigidConnections::find_fixed_impulses(std::size_t cluster, const springnet_
   });
 }
 
-// Nodes that begin to stick in the same step do so where each is: as far apart as the accuracy of the step says.
-bool RigidConnections::creep(const Placement& at, const Cluster& cluster, const std::vector<Vector3>& before,
-                             std::vector<Touch> touches, std::vector<Vector3>& positions) const {
-  constexpr double most = 1e-6;  // of the longest connection
-  double scale = 0.0;
-  for (const std::uint32_t r : cluster.rods) scale = std::max(scale, rods_[r].length);
-  std::vector<std::uint8_t> movable(cluster.nodes.size()), sticks(movable.size());
-  for (std::size_t i = 0; i < movable.size(); ++i) {
-    const std::uint32_t k = cluster.nodes[i];
-    sticks[i] = contact_.constrained()[k] != 0 && contact_.fixed()[k] == 0 && touches[i].surfaces()[0] >= 0 ? 1 : 0;
-    if (sticks[i] != 0) touches[i].slides = true;
-    movable[i] = sticks[i] != 0 || contact_.constrained()[k] == 0 ? 1 : 0;
-  }
-  positions = before;
-  if (!correct_positions(at, cluster, touches, positions, movable)) return false;
-  for (std::size_t i = 0; i < movable.size(); ++i)
-    if (sticks[i] != 0 && !((positions[i] - before[i]).norm() <= most * scale)) return false;
-  return true;
-}
-
 springnet_status RigidConnections::project(const Placement& at, std::size_t number, const springnet_vectors& position,
                                            const springnet_vectors& velocity, springnet_message& message,
                                            const std::vector<std::uint32_t>& stopped, const Rebounds& rebounds) const {
@@ -342,8 +322,7 @@ springnet_status RigidConnections::project(const Placement& at, std::size_t numb
   const std::vector<Vector3> before = p;
   if (rebounding == sliding || !correct_positions(at, cluster, rebounding, p, movable)) {
     p = before;
-    if (!correct_positions(at, cluster, sliding, p, movable) && !creep(at, cluster, before, sliding, p))
-      return fail_lengths(cluster, message);
+    if (!correct_positions(at, cluster, sliding, p, movable)) return fail_lengths(cluster, message);
   }
   for (std::size_t i = 0; i < count; ++i) put_vector(position, cluster.nodes[i], p[i]);
   ConstraintSystem system;

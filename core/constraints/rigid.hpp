@@ -141,10 +141,6 @@ class RigidConnections {
                                                    const std::vector<Touch>& touches,
                                                    const std::vector<Vector3>& positions) const;
   [[nodiscard]] std::vector<ConstraintRow> rods_of(const Cluster& cluster, const std::vector<Vector3>& positions) const;
-  // From `before`, with nodes that stick moved along their surfaces by a millionth of the longest connection at most.
-  // Returns whether that satisfies the lengths.
-  bool creep(const Placement& at, const Cluster& cluster, const std::vector<Vector3>& before,
-             std::vector<Touch> touches, std::vector<Vector3>& positions) const;
   springnet_status fail_lengths(const Cluster& cluster, springnet_message& message) const;
 
   const std::vector<double>& mass_;
