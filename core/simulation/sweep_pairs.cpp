@@ -378,7 +378,7 @@ bool SweepPairs::renew_row(std::size_t r, const springnet_sweep& sweep, const Pl
 }
 
 void SweepPairs::find_impulses(const MovedNodes& nodes, double weight, const PairAccuracy& accuracy) {
-  static_cast<void>(join_same(rows_));
+  join_same(rows_);
   const auto keep = [this](bool keeps) {
     for (PairRow& row : rows_) row.keeps_across = keeps;
   };

@@ -57,7 +57,7 @@ class VerletPairs {
   bool find(const springnet_sweep& step);
   void add(const springnet_sweep& step, proximity::PairKind kind, proximity::Pair pair, const proximity::Separation& at,
            double share, bool is_new);
-  // Adds rows of pairs that met_ and near_ have: of each node, and of each cluster, the first.
+  // Adds rows of pairs that met_ and near_ have: of each node, and of each cluster, the first, if it is due.
   void add_first(const springnet_sweep& step, const proximity::Positions& start, const proximity::Positions& end);
   struct MeetingNodes {
     std::array<std::uint32_t, 4> nodes;
